@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -55,7 +56,10 @@ MaskResult run_masked(contract::Fault fault, std::uint64_t first, std::uint64_t 
   work();
   for (std::thread& thread : threads) thread.join();
   result.sessions = std::min(found + 1, most);
-  if (result.found) result.replay = replay_words(shrink({.seed = result.found->seed, .storage = false}, *result.found));
+  if (result.found) {
+    const double length_s = std::max(15.0, std::ceil(result.found->broken_s + 1.0));
+    result.replay = replay_words({.seed = result.found->seed, .length_s = length_s, .faults = result.found->faults});
+  }
   return result;
 }
 
@@ -71,7 +75,7 @@ std::vector<KnownMask> read_masks(const std::string& path) {
     if (line.empty() || line.front() == '#') continue;
     std::istringstream words(line);
     KnownMask row;
-    words >> row.monitor >> row.sessions >> std::ws;
+    words >> row.monitor >> std::ws;
     std::string replay;
     std::getline(words, replay, '\t');
     std::optional<SessionOptions> session = read_replay(replay);

@@ -17,7 +17,7 @@ namespace hoist::chaos {
 struct MaskResult {
   std::uint64_t sessions = 0;  // that were run until the judge failed one; all of them, if it never did
   std::optional<SessionReport> found;
-  std::string replay;  // that session as small as it still fails, as hoist-chaos takes it
+  std::string replay;  // that session until it failed, as hoist-chaos takes it
 };
 /// Sessions of the seeds first, first + 1, ... with this monitor off, on so many threads, until one fails.
 [[nodiscard]] MaskResult run_masked(contract::Fault fault, std::uint64_t first, std::uint64_t most, unsigned jobs);
@@ -25,13 +25,11 @@ struct MaskResult {
 /// Whether this session fails with this monitor off.
 [[nodiscard]] bool fails_masked(contract::Fault fault, const SessionOptions& session);
 
-/// A row of masks.tsv: the monitor, how many sessions it took from seed 1 on to find it off, and the one that did.
+/// A row of masks.tsv: the monitor, and a session that finds it off.
 struct KnownMask {
   std::string monitor;
-  std::uint64_t sessions = 0;
   SessionOptions session;
 };
-/// Without the rows of monitors that no session has found.
 [[nodiscard]] std::vector<KnownMask> read_masks(const std::string& path);
 
 }  // namespace hoist::chaos

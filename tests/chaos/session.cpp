@@ -264,9 +264,9 @@ class Session {
         world.plant().weaken_battery(on ? 2.0 * f.size : 0.0);
         break;
       case Kind::skid:
-        // Both wheels on wet floor, and the frame is twisted by up to 25 N m either way.
+        // Both wheels on wet floor, and the frame is twisted by up to 7 N m either way, of which the wheels take 4.
         world.slip(
-            {.seconds = on ? f.end_s - f.start_s : 0.001, .grip_norm = {0.03, 0.03}, .push_n = 0.0, .twist_n_m = (f.size - 0.5) * 50.0});
+            {.seconds = on ? f.end_s - f.start_s : 0.001, .grip_norm = {0.03, 0.03}, .push_n = 0.0, .twist_n_m = (f.size - 0.5) * 14.0});
         break;
       case Kind::gyro_jump: {
         const auto place = f.node == Node::tilt_left    ? sim::Place::left_strut

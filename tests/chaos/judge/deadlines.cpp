@@ -156,7 +156,7 @@ static_assert([] {
 // Brakes closed or servo holding: each wheel withstands this at the rim. Brake 8 N m, gear 0.6, rolling 0.3, on 0.10 m: 89 N. The servo's 6 A
 // give 207 N.
 constexpr double kHeld_n = 85.0;
-constexpr double kNodeAge = 6;  // steps: 60 ms
+constexpr int kSilent_steps = 6;  // 60 ms
 
 // Modes in which every alarm has its meaning: INIT checks everything when it ends; out of service only the cause stays.
 bool watched(Mode mode) { return mode != Mode::init && mode != Mode::fault && mode != Mode::emergency_stop && mode != Mode::calibrate; }
@@ -181,7 +181,7 @@ double Deadlines::rest_m_s(const Truth& truth) {
   return kRest_m_s + kGives_m_s_n * std::min(truth.hardest_n, kHeld_n);
 }
 
-bool Deadlines::silent(Node node) const { return ears_.age(node) >= kNodeAge; }
+bool Deadlines::silent(Node node) const { return ears_.age(node) >= kSilent_steps; }
 
 bool Deadlines::sensors_heard() const {
   return ears_.age(Node::tilt_left) <= 1 && ears_.age(Node::tilt_right) <= 1 && ears_.age(Node::tilt_base) <= 1 &&
@@ -191,7 +191,7 @@ bool Deadlines::sensors_heard() const {
 bool Deadlines::drives_follow() const { return ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1 && follow_s_ > 0.3; }
 
 // The lean that the frames of the three sensors tell, against the true one.
-bool Deadlines::lean_told_rightly(double within_rad) const { return judged_s_ - wrong_s_ > 0.3 || within_rad > 1.0; }
+bool Deadlines::lean_told_rightly() const { return judged_s_ - wrong_s_ > 0.3; }
 
 void Deadlines::take_truth(const Truth& truth) {
   const sim::Plant& plant = world_.plant();
@@ -322,13 +322,13 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
     case Rule::touched:
       return (plant.bumpers() & ~acknowledged_bumpers_) != 0 && ears_.age(Node::io) <= 1;
     case Rule::falling:
-      return moving && truth.lean_rad > 12.0 * kDegree_rad && truth.outward_rad_s > 29.0 * kDegree_rad && !thrown && lean_told_rightly(0.0);
+      return moving && truth.lean_rad > 12.0 * kDegree_rad && truth.outward_rad_s > 29.0 * kDegree_rad && !thrown && lean_told_rightly();
     case Rule::lying:
-      return moving && truth.lean_rad > 14.8 * kDegree_rad && judged_s_ - braked_s_ > 0.6 && lean_told_rightly(0.0);
+      return moving && truth.lean_rad > 14.8 * kDegree_rad && judged_s_ - braked_s_ > 0.6 && lean_told_rightly();
     case Rule::leaning:
-      return moving && truth.lean_rad > 11.5 * kDegree_rad && lean_told_rightly(0.0);
+      return moving && truth.lean_rad > 11.5 * kDegree_rad && lean_told_rightly();
     case Rule::dragged:
-      return mode == Mode::user && std::fabs(truth.speed_m_s) > 0.12 && judged_s_ - swung_s_ > 0.05 && lean_told_rightly(0.0);
+      return mode == Mode::user && std::fabs(truth.speed_m_s) > 0.12 && judged_s_ - swung_s_ > 0.05 && lean_told_rightly();
     case Rule::empty:
       return battery_v_[0] < 21.8 && ears_.battery_age() < 15;
     case Rule::weak:
@@ -421,10 +421,11 @@ bool Deadlines::beyond_the_hoist(const Truth& truth) const {
   // How long a wheel that was pushed beyond its brakes takes to come to rest: from 0.5 m/s at the brakes' 1.2 m/s2, and the drive's own ramp.
   constexpr double kRollsOut_s = 0.5;
   const bool pushed = truth.hardest_n > kHeld_n || judged_s_ - pushed_s_ < kRollsOut_s;
+  // Wheels that slide are dragged by the platform when they grip again.
   // The drive finds a shorted bridge or a broken encoder, the core stops and takes the supply away (REACTIONS: at rest within 961 ms).
   constexpr double kShort_s = 1.2;
   return pushed || judged_s_ - touch_s_ < kRollsOut_s || judged_s_ - short_s_ < kShort_s || judged_s_ - blind_s_ < 0.7 ||
-         judged_s_ - frozen_s_ < 0.7;
+         judged_s_ - frozen_s_ < 0.7 || judged_s_ - slid_s_ < kRollsOut_s;
 }
 
 bool Deadlines::explained(HoistFault cause) const {

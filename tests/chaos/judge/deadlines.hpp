@@ -103,7 +103,7 @@ class Deadlines {
   [[nodiscard]] bool holds(Rule rule, const Truth& truth, contract::Mode mode) const;
   [[nodiscard]] bool silent(contract::Node node) const;
   [[nodiscard]] bool answered(const RuleInfo& rule, double since_s, contract::Mode mode) const;
-  [[nodiscard]] bool lean_told_rightly(double within_rad) const;
+  [[nodiscard]] bool lean_told_rightly() const;
   [[nodiscard]] bool sensors_heard() const;
   [[nodiscard]] bool drives_follow() const;
   [[nodiscard]] bool stuck(contract::Node node) const { return board_.now(Kind::sensor_stuck, node); }

@@ -36,7 +36,6 @@ const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan)
   const double ahead_n = push.forward_n + downhill_n, twist_n = push.turn_n_m / machine.track_width_m;
   t.push_n = {ahead_n / 2.0 - twist_n, ahead_n / 2.0 + twist_n};
   t.hardest_n = std::max(std::fabs(t.push_n[0]), std::fabs(t.push_n[1]));
-  t.down = patient.state() >= sim::PatientState::tripping;
   t.touches = plant.bumpers() != 0 && !pressed_by_plan;
   if (begun_) {
     for (std::size_t i = 0; i < 2; ++i) t.wheel_m_s2[i] = (t.wheel_m_s[i] - before.wheel_m_s[i]) / kStep_s;

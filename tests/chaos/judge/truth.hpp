@@ -22,7 +22,6 @@ struct Truth {
   // What pushes each wheel along the floor from outside: body, stops, slope. Newtons, forward positive.
   std::array<double, 2> push_n{};
   double hardest_n = 0;  // of the two, without sign
-  bool down = false;     // the patient falls, has fallen, or hangs
   bool touches = false;  // a post pushes at the frame
 };
 
