@@ -334,7 +334,7 @@ TEST(Faults, H23_TheRelayStaysClosedThroughLostFramesAndAnyMode) {
   });
   ASSERT_TRUE(walk.set_off());
   const double begin_s = walk.loop.time_s();
-  frames = 0;
+  frames = same_level = 0;  // not fed before the drives were heard
   while (walk.loop.time_s() < begin_s + 5.0) {
     walk.loop.step();
     open_ms += world.plant().supply_v() == 0.0 ? 10 : 0;
