@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/store/session_types.hpp"
-#include "db/store/tasks.hpp"
+#include "db/store/task_record.hpp"
 
 namespace hoist::db {
 

@@ -8,6 +8,7 @@
 
 #include "control/contract/guided_path.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "db/store/json_members.hpp"
 #include "db/store/task_list.hpp"
 
 namespace hoist::db {
@@ -21,60 +22,16 @@ namespace {
 /// Half of the finest step: a value given in decimals is that number, not its neighbour.
 constexpr double kWithin = 1e-9;
 
-// Reads the members of one object and refuses the ones that nobody asked for. What is wrong first is kept.
-class Members {
- public:
-  Members(const json& value, std::string where, std::string& problem) : value_(value), where_(std::move(where)), problem_(problem) {
-    if (!value_.is_object()) wrong("", "must be an object");
-  }
-  const json& member(const char* name) {
-    static const json kNull;
-    ++read_;
-    const auto at = value_.is_object() ? value_.find(name) : value_.end();
-    if (value_.is_object() && at == value_.end()) wrong(name, "is missing");
-    return value_.is_object() && at != value_.end() ? *at : kNull;
-  }
-  std::string text(const char* name) {
-    const json& value = member(name);
-    if (!value.is_string() || value.get_ref<const std::string&>().empty()) wrong(name, "must be a text");
-    return value.is_string() ? value.get<std::string>() : std::string{};
-  }
-  double number(const char* name, double least, double most) {
-    const json& value = member(name);
-    const double given = value.is_number() ? value.get<double>() : std::nan("");
-    // Written so that a NaN fails.
-    if (!(given >= least && given <= most)) wrong(name, "must be a number from " + json(least).dump() + " to " + json(most).dump());
-    return given;
-  }
-  void words(const char* name) {
-    Members both(member(name), where_ + name + ".", problem_);
-    (void)both.text("en");
-    (void)both.text("de");
-    both.end();
-  }
-  TaskRange range(const char* name, double least, double most) {
-    Members of(member(name), where_ + name + ".", problem_);
-    TaskRange range;
-    range.least = of.number("least", least, most);
-    range.most = of.number("most", range.least, most);
-    range.usual = of.number("usual", range.least, range.most);
-    range.step = of.number("step", kWithin, most > 1 ? most : 1);
-    of.end();
-    return range;
-  }
-  void wrong(const std::string& name, const std::string& what) {
-    if (problem_.empty()) problem_ = where_ + name + ' ' + what;
-  }
-  void end() {
-    if (value_.is_object() && value_.size() != read_) wrong("", "has a member that is not known");
-  }
-
- private:
-  const json& value_;
-  std::string where_;
-  std::string& problem_;
-  std::size_t read_ = 0;
-};
+TaskRange range(Members& members, const char* name, double least, double most) {
+  Members of = members.inside(name);
+  TaskRange range;
+  range.least = of.number("least", least, most);
+  range.most = of.number("most", range.least, most);
+  range.usual = of.number("usual", range.least, range.most);
+  range.step = of.number("step", kWithin, most > 1 ? most : 1);
+  of.end();
+  return range;
+}
 
 void read_sizes(const json& sizes, TaskInfo& task, std::string& problem) {
   Members members(sizes, "sizes.", problem);
@@ -82,7 +39,7 @@ void read_sizes(const json& sizes, TaskInfo& task, std::string& problem) {
     const std::string name{row.name};
     if (row.shape != task.shape || !sizes.is_object() || !sizes.contains(name)) continue;
     const double least_m = row.required ? contract::kExerciseLeast_m : 0.0;
-    task.sizes.push_back({row.role, members.range(name.c_str(), least_m, contract::kExerciseMost_m)});
+    task.sizes.push_back({row.role, range(members, name.c_str(), least_m, contract::kExerciseMost_m)});
   }
   members.end();
   if (const bool line = task.shape != ExerciseShape::free; line && task.sizes.empty()) members.wrong("", "must have a size");
@@ -108,20 +65,20 @@ void read_end(const json& ends, TaskInfo& task, std::string& problem) {
   task.ends = end.value_or(TaskEnd::hand);
   switch (task.ends) {
     case TaskEnd::distance:
-      task.goal = of.range("goal", 1, contract::kGuidedLapsMost);
+      task.goal = range(of, "goal", 1, contract::kGuidedLapsMost);
       if (task.shape == ExerciseShape::free) of.wrong("by", "needs a line");
       break;
     case TaskEnd::time:
-      task.goal = of.range("goal", 1, 3600);
+      task.goal = range(of, "goal", 1, 3600);
       break;
     case TaskEnd::turn:
-      task.goal = of.range("goal", 0.1, 100);
+      task.goal = range(of, "goal", 0.1, 100);
       break;
     case TaskEnd::back:
-      task.goal = of.range("goal", 1, 100);
+      task.goal = range(of, "goal", 1, 100);
       break;
     case TaskEnd::hand:
-      task.goal = of.range("goal", 0, 0);
+      task.goal = range(of, "goal", 0, 0);
   }
   of.end();
 }
@@ -150,8 +107,8 @@ TaskInfo read_task(std::string_view text, std::string& problem) {
   read_leads(members.member("leads"), task, problem);
   read_end(members.member("ends"), task, problem);
   task.edge_m = members.number("edge_m", 0, 10);
-  task.repetitions = members.range("repetitions", 1, 100);
-  task.rest_s = members.range("rest_s", 0, 3600);
+  task.repetitions = range(members, "repetitions", 1, 100);
+  task.rest_s = range(members, "rest_s", 0, 3600);
   read_results(members.member("results"), problem);
   members.end();
   if (problem.empty() && 2 * task.edge_m > 0 &&
@@ -265,46 +222,10 @@ TaskRecord task_record(const TaskChoice& choice, std::uint32_t repetition) {
           .rest_s = choice.rest_s};
 }
 
-json task_json(const TaskRecord& r) {
-  return {{"task", r.task},     {"version", r.version},       {"ends", task_end_name(r.ends)}, {"goal", r.goal},
-          {"edge_m", r.edge_m}, {"repetition", r.repetition}, {"repetitions", r.repetitions},  {"rest_s", r.rest_s}};
-}
-
-std::optional<TaskRecord> read_task_record(const json& value) {
-  constexpr double kMost = 1e6;
-  constexpr std::size_t kNameMost = 64;
-  std::string problem;
-  Members of(value, "task.", problem);
-  TaskRecord record;
-  record.task = of.text("task");
-  record.version = static_cast<std::uint32_t>(of.number("version", 1, kMost));
-  const auto end = find_task_end(of.text("ends"));
-  record.ends = end.value_or(TaskEnd::hand);
-  record.goal = of.number("goal", 0, kMost);
-  record.edge_m = of.number("edge_m", 0, kMost);
-  record.repetition = static_cast<std::uint32_t>(of.number("repetition", 1, kMost));
-  record.repetitions = static_cast<std::uint32_t>(of.number("repetitions", 1, kMost));
-  record.rest_s = of.number("rest_s", 0, kMost);
-  of.end();
-  return problem.empty() && end && record.task.size() <= kNameMost ? std::optional{record} : std::nullopt;
-}
-
 std::string stored_with_task(const Exercise& exercise, const TaskRecord& record) {
   json stored = exercise_json(exercise, ExerciseNames::stored);
   stored["task"] = task_json(record);
   return stored.dump();
-}
-
-std::optional<TaskRecord> task_of_stored(const std::optional<std::string>& stored) {
-  if (!stored) return std::nullopt;
-  const json value = json::parse(*stored, nullptr, false);
-  const auto task = value.is_object() ? value.find("task") : value.end();
-  return value.is_object() && task != value.end() ? read_task_record(*task) : std::nullopt;
-}
-
-json task_as_told(const std::optional<std::string>& stored) {
-  const auto record = task_of_stored(stored);
-  return record ? task_json(*record) : json(nullptr);
 }
 
 }  // namespace hoist::db

@@ -14,6 +14,7 @@
 #include "db/metrics/task_end.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/result.hpp"
+#include "db/store/task_record.hpp"
 
 namespace hoist::db {
 
@@ -48,16 +49,6 @@ struct TaskChoice {
   double rest_s = 0;
 };
 
-/// What a recording says of its task, so that its figures do not depend on today's files.
-struct TaskRecord {
-  std::string task;
-  std::uint32_t version = 1;
-  TaskEnd ends{};
-  double goal = 0, edge_m = 0;
-  std::uint32_t repetition = 1, repetitions = 1;
-  double rest_s = 0;
-};
-
 /// Reads the files of db/tasks; bad_value with the task and what is wrong with it.
 [[nodiscard]] Result<std::vector<TaskInfo>> read_tasks(std::span<const std::string_view> files);
 /// THE tasks, in the order of their files. A file that is not one ends the program; the tests read them all.
@@ -70,14 +61,7 @@ struct TaskRecord {
 [[nodiscard]] std::optional<TaskChoice> read_task_choice(const nlohmann::json& wish, std::vector<ExerciseProblem>& problems);
 [[nodiscard]] TaskRecord task_record(const TaskChoice& choice, std::uint32_t repetition);
 
-[[nodiscard]] nlohmann::json task_json(const TaskRecord& record);
-/// Nothing for what is no task of a recording.
-[[nodiscard]] std::optional<TaskRecord> read_task_record(const nlohmann::json& value);
 /// An exercise with the task it belongs to, as recordings store it.
 [[nodiscard]] std::string stored_with_task(const contract::Exercise& exercise, const TaskRecord& record);
-/// The task of a stored exercise; nothing for an exercise without one, and for a text that check_exercise refuses.
-[[nodiscard]] std::optional<TaskRecord> task_of_stored(const std::optional<std::string>& stored);
-/// The same as JSON; null for none.
-[[nodiscard]] nlohmann::json task_as_told(const std::optional<std::string>& stored);
 
 }  // namespace hoist::db
