@@ -1,26 +1,37 @@
 #include "db/metrics/analysis.hpp"
 
-#include <algorithm>
 #include <utility>
 
 namespace hoist::db {
 
-Analysis analyse(Walk walk) {
-  Analysis out;
-  out.walk = std::move(walk);
-  out.comparison = compare(out.walk);
-  out.bouts = bouts_of(out.walk);
-  out.rhythm = rhythm_of(out.walk, out.bouts);
-  out.turns = turns_of(out.walk);
-  out.task = task_result_of(out.walk, out.comparison);
-  out.lead = lead_of(out.walk, out.bouts);
-  return out;
+void Analyser::add(const WalkSample& sample) {
+  if (first_) out_.walk.add(sample);
+  if (!counts(sample)) return;
+  rhythm_.add(sample);
+  lead_.add(sample);
+  if (!first_) return;
+  // Several walks are not compared.
+  std::optional<double> s_m;
+  if (!out_.walk.several_walks) s_m = comparer_.add(sample, out_.walk.from_mark);
+  task_.add(sample, s_m);
+  bouts_.add(sample);
+  turns_.add(sample);
 }
 
-std::span<const double> Analysis::longest_bout_m_s() const {
-  const auto longest = std::ranges::max_element(bouts, {}, &Stretch::count);
-  if (longest == bouts.end()) return {};
-  return std::span(walk.speed_m_s).subspan(longest->first, longest->count());
+bool Analyser::again() {
+  first_ = false;
+  const bool rhythm = rhythm_.again(), lead = lead_.again();
+  return rhythm || lead;
+}
+
+Analysis Analyser::result() {
+  out_.comparison = comparer_.result(out_.walk);
+  out_.bouts = bouts_.end();
+  out_.turns = turns_.end();
+  out_.rhythm = rhythm_.result(out_.walk, out_.bouts.count > 0);
+  out_.task = task_.result(out_.walk, out_.comparison);
+  out_.lead = lead_.result(out_.walk);
+  return std::move(out_);
 }
 
 }  // namespace hoist::db

@@ -1,43 +1,47 @@
 #include "db/metrics/bouts.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace hoist::db {
 
 namespace {
 constexpr auto kBoutSamples = samples_in(kBout_s);
+constexpr std::size_t kKeptSamples = samples_in(kSmoothMost_s) + 1;
 }  // namespace
 
-std::vector<Stretch> whole_stretches(const Walk& walk) {
-  std::vector<Stretch> out;
-  for (std::size_t i = 0; i < walk.count(); ++i) {
-    if (i == 0 || walk.tick[i] != walk.tick[i - 1] + 1) out.push_back({i, i});
-    out.back().end = i + 1;
-  }
-  return out;
+void BoutFinder::add(const WalkSample& sample) {
+  const std::optional<std::size_t> place = run_.add(sample);
+  if (!place || *place == 0) close();
+  if (!place) return;
+  if (count_++ == 0) begin_tick_ = sample.tick;
+  tick_ = sample.tick;
+  if (speed_m_s_.size() < kKeptSamples) speed_m_s_.push_back(sample.speed_m_s);
+  if (count_ > kBoutSamples) out_.walked_m_s += std::fabs(sample.speed_m_s);
+  if (count_ != kBoutSamples) return;
+  // Only now the run is known to be a bout.
+  ++out_.count;
+  if (bout_end_tick_ && begin_tick_ - *bout_end_tick_ - 1 >= kBoutSamples) ++out_.pauses;
+  for (const double speed_m_s : speed_m_s_) out_.walked_m_s += std::fabs(speed_m_s);
 }
 
-std::vector<Stretch> bouts_of(const Walk& walk) {
-  std::vector<Stretch> out;
-  for (const Stretch& whole : whole_stretches(walk)) {
-    Stretch bout{whole.first, whole.first};
-    for (std::size_t i = whole.first; i <= whole.end; ++i) {
-      if (i < whole.end && std::fabs(walk.speed_m_s[i]) > kBout_m_s) continue;
-      bout.end = i;
-      if (bout.count() >= kBoutSamples) out.push_back(bout);
-      bout.first = i + 1;
+void BoutFinder::close() {
+  if (count_ >= kBoutSamples) {
+    out_.samples += count_;
+    bout_end_tick_ = tick_;
+    if (count_ > longest_) {
+      longest_ = count_;
+      out_.longest_m_s.swap(speed_m_s_);
     }
   }
-  return out;
+  count_ = 0;
+  speed_m_s_.clear();
 }
 
-int pauses_between(const Walk& walk, const std::vector<Stretch>& bouts) {
-  int pauses = 0;
-  for (std::size_t b = 1; b < bouts.size(); ++b) {
-    const std::uint64_t passed = walk.tick[bouts[b].first] - walk.tick[bouts[b - 1].end - 1] - 1;
-    pauses += passed >= kBoutSamples ? 1 : 0;
-  }
-  return pauses;
+BoutTotals BoutFinder::end() {
+  close();
+  return std::move(out_);
 }
 
 }  // namespace hoist::db

@@ -1,25 +1,43 @@
 #include "db/metrics/cross_correlation.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace hoist::db {
 
-std::optional<double> cross_correlation(std::span<const double> x, std::span<const double> y) {
-  if (x.size() != y.size() || x.empty()) return std::nullopt;
-  const auto length = static_cast<Eigen::Index>(x.size());
-  const Eigen::Map<const Eigen::VectorXd> a(x.data(), length);
-  const Eigen::Map<const Eigen::VectorXd> b(y.data(), length);
-  if (!a.allFinite() || !b.allFinite()) return std::nullopt;
-  // Scaled to 1 first: squares of very small or very large samples must not vanish or overflow.
-  const double largest_a = a.cwiseAbs().maxCoeff();
-  const double largest_b = b.cwiseAbs().maxCoeff();
-  if (!(largest_a > 0.0) || !(largest_b > 0.0)) return std::nullopt;
-  const double both = ((a / largest_a).array() * (b / largest_b).array()).sum();
-  const double energy = std::sqrt((a / largest_a).squaredNorm()) * std::sqrt((b / largest_b).squaredNorm());
+double CrossCorrelation::scaled(double sample, Signal& signal) {
+  int exponent = 0;
+  (void)std::frexp(sample, &exponent);
+  if (sample != 0.0 && exponent > signal.exponent) {
+    const int shift = signal.exponent - exponent;
+    signal.energy = std::ldexp(signal.energy, 2 * shift);
+    both_ = std::ldexp(both_, shift);
+    signal.exponent = exponent;
+  }
+  return sample == 0.0 ? 0.0 : std::ldexp(sample, -signal.exponent);
+}
+
+void CrossCorrelation::add(double x, double y) {
+  finite_ = finite_ && std::isfinite(x) && std::isfinite(y);
+  if (!finite_) return;
+  const double a = scaled(x, x_), b = scaled(y, y_);
+  x_.energy += a * a;
+  y_.energy += b * b;
+  both_ += a * b;
+}
+
+std::optional<double> CrossCorrelation::value() const {
+  if (!finite_ || !(x_.energy > 0.0) || !(y_.energy > 0.0)) return std::nullopt;
   // Rounding may carry two equal signals a few parts in 1e16 beyond one.
-  return std::clamp(both / energy, -1.0, 1.0);
+  return std::clamp(both_ / (std::sqrt(x_.energy) * std::sqrt(y_.energy)), -1.0, 1.0);
+}
+
+std::optional<double> cross_correlation(std::span<const double> x, std::span<const double> y) {
+  if (x.size() != y.size()) return std::nullopt;
+  CrossCorrelation out;
+  for (std::size_t i = 0; i < x.size(); ++i) out.add(x[i], y[i]);
+  return out.value();
 }
 
 }  // namespace hoist::db

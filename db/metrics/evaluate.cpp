@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
-
-#include "db/metrics/cross_correlation.hpp"
+#include <vector>
 
 namespace hoist::db {
 
@@ -21,8 +19,7 @@ bool all_finite(std::span<const double> column) {
 bool usable(const contract::ReferencePath& path, const RunColumns& run) {
   const std::size_t count = run.x_m.size();
   return path.valid() && run.dt_s > 0.0 && std::isfinite(run.dt_s) && count > 0 && run.y_m.size() == count && run.psi_rad.size() == count &&
-         run.dpsi_rad.size() == count && (run.tick.empty() || run.tick.size() == count) && all_finite(run.x_m) && all_finite(run.y_m) &&
-         all_finite(run.psi_rad) && all_finite(run.dpsi_rad);
+         run.dpsi_rad.size() == count && all_finite(run.x_m) && all_finite(run.y_m) && all_finite(run.psi_rad) && all_finite(run.dpsi_rad);
 }
 
 std::vector<double> resample(std::span<const double> column, double from_dt_s, double to_dt_s, std::size_t count) {
@@ -60,33 +57,31 @@ std::optional<double> place_on(const contract::ReferencePath& path, const contra
   return best_m;
 }
 
-ReferenceColumns reference_of(const contract::ReferencePath& path, const RunColumns& run, double window_m) {
-  const std::size_t count = std::min(run.x_m.size(), run.y_m.size());
-  ReferenceColumns reference;
-  for (auto* column : {&reference.s_m, &reference.x_m, &reference.y_m, &reference.psi_rad, &reference.omega_rad_s}) column->reserve(count);
-  double s_m = run.start_m;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t passed = run.tick.empty() || i == 0 ? 1 : run.tick[i] - run.tick[i - 1];
-    const double reach_m = passed > 1 ? window_m + std::hypot(run.x_m[i] - run.x_m[i - 1], run.y_m[i] - run.y_m[i - 1]) : window_m;
-    s_m = path.project(run.x_m[i], run.y_m[i], s_m, reach_m);
-    const contract::PathPose pose = path.pose(s_m);
-    reference.s_m.push_back(s_m);
-    reference.x_m.push_back(pose.x_m);
-    reference.y_m.push_back(pose.y_m);
-    reference.omega_rad_s.push_back(i == 0 ? 0.0 : (pose.psi_rad - reference.psi_rad.back()) / (run.dt_s * static_cast<double>(passed)));
-    reference.psi_rad.push_back(pose.psi_rad);
-  }
-  return reference;
+const ReferencePoint& RunEvaluation::add(const TrackPoint& run, double dpsi_rad, std::uint64_t passed) {
+  finite_ = finite_ && std::isfinite(run.x_m) && std::isfinite(run.y_m) && std::isfinite(run.psi_rad) && std::isfinite(dpsi_rad);
+  if (!finite_) return reference_;
+  const double reach_m = begun_ && passed > 1 ? window_m_ + std::hypot(run.x_m - last_.x_m, run.y_m - last_.y_m) : window_m_;
+  const double s_m = path_.project(run.x_m, run.y_m, reference_.s_m, reach_m);
+  const contract::PathPose pose = path_.pose(s_m);
+  const double omega_rad_s = begun_ ? (pose.psi_rad - reference_.at.psi_rad) / (dt_s_ * static_cast<double>(passed)) : 0.0;
+  reference_ = {s_m, {pose.x_m, pose.y_m, pose.psi_rad}, omega_rad_s};
+  correlation_.add(dpsi_rad, omega_rad_s);
+  ise_.add(run, reference_.at);
+  last_ = run;
+  begun_ = true;
+  return reference_;
 }
 
-std::optional<Evaluation> evaluate(const contract::ReferencePath& path, const RunColumns& run, double window_m,
-                                   ReferenceColumns* reference) {
+std::optional<Evaluation> RunEvaluation::value() const {
+  if (!begun_ || !finite_) return std::nullopt;
+  return Evaluation{correlation_.value(), ise_.value()};
+}
+
+std::optional<Evaluation> evaluate(const contract::ReferencePath& path, const RunColumns& run, double window_m) {
   if (!usable(path, run)) return std::nullopt;
-  ReferenceColumns held = reference_of(path, run, window_m);
-  const Evaluation out{cross_correlation(run.dpsi_rad, held.omega_rad_s),
-                       normalised_ise({run.x_m, run.y_m, run.psi_rad, held.x_m, held.y_m, held.psi_rad})};
-  if (reference != nullptr) *reference = std::move(held);
-  return out;
+  RunEvaluation out(path, run.dt_s, 0.0, window_m);
+  for (std::size_t i = 0; i < run.x_m.size(); ++i) out.add({run.x_m[i], run.y_m[i], run.psi_rad[i]}, run.dpsi_rad[i]);
+  return out.value();
 }
 
 std::optional<Evaluation> evaluate_at_metric_rate(const contract::ReferencePath& path, const RunColumns& run, double window_m) {
@@ -99,7 +94,7 @@ std::optional<Evaluation> evaluate_at_metric_rate(const contract::ReferencePath&
   const auto y_m = resample(run.y_m, run.dt_s, kMetricStep_s, count);
   const auto psi_rad = resample(run.psi_rad, run.dt_s, kMetricStep_s, count);
   const auto dpsi_rad = resample(run.dpsi_rad, run.dt_s, kMetricStep_s, count);
-  return evaluate(path, {kMetricStep_s, x_m, y_m, psi_rad, dpsi_rad, {}, run.start_m}, window_m);
+  return evaluate(path, {kMetricStep_s, x_m, y_m, psi_rad, dpsi_rad}, window_m);
 }
 
 }  // namespace hoist::db

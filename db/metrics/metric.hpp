@@ -96,21 +96,20 @@ inline Figure counted(const Analysis& a, int count) {
 }
 inline Figure strided(const Analysis& a, double value) { return a.rhythm.why == NoFigure::none ? figure(value) : no_figure(a.rhythm.why); }
 inline Figure smooth(const Analysis& a, std::optional<double> (*of)(std::span<const double>)) {
-  const std::span<const double> bout = a.longest_bout_m_s();
+  const std::span<const double> bout = a.bouts.longest_m_s;
   if (bout.empty()) return no_figure(NoFigure::no_motion);
   if (static_cast<double>(bout.size()) * kSample_s > kSmoothMost_s) return no_figure(NoFigure::too_long);
   const std::optional<double> value = of(bout);
   return value ? figure(*value) : no_figure(NoFigure::too_short);
 }
-inline double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+inline Figure lapped(const Analysis& a, const std::optional<double>& value_s) {
+  if (a.comparison.why != NoFigure::none) return no_figure(a.comparison.why);
+  return value_s ? figure(*value_s) : no_figure(NoFigure::no_lap);
 }
-inline std::size_t walking_samples(const Analysis& a) {
-  std::size_t samples = 0;
-  for (const Stretch& bout : a.bouts) samples += bout.count();
-  return samples;
+/// The mean of what the lead has some of.
+inline Figure mean_of_lead(const Analysis& a, const MeanOf& values, NoFigure none) {
+  if (a.lead.why != NoFigure::none) return no_figure(a.lead.why);
+  return values.count == 0 ? no_figure(none) : figure(values.value());
 }
 
 }  // namespace figures

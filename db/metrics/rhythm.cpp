@@ -4,56 +4,26 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
 namespace hoist::db {
 
 namespace {
 
 constexpr std::size_t kSettle = samples_in(kSettle_s);
-/// The middle of the sway is its mean over three seconds around, which follows bends and slow leaning.
-constexpr std::size_t kMiddle = samples_in(1.5);
-static_assert(kMiddle <= kSettle);
-/// A stride takes 0.6 to 3.5 s: 34 to 200 steps a minute.
-constexpr std::size_t kShortest = samples_in(0.6), kLongest = samples_in(3.5);
 /// A stretch shorter than this holds no two strides.
 constexpr std::size_t kLeastStretch = samples_in(5.0);
 /// Of several peaks the first that is nearly as high as the highest: at twice the stride the sway is alike, too.
 constexpr double kMainPeak = 0.85;
-
-using Signal = std::vector<double>;
-
-// The sway of each steady stretch, about its mean over `half` samples to either side.
-std::vector<Signal> sways_of(const Walk& walk, const std::vector<Stretch>& bouts, std::size_t half) {
-  std::vector<Signal> out;
-  for (const Stretch& bout : bouts) {
-    if (bout.count() < 2 * kSettle + kLeastStretch) continue;
-    std::vector<double> sum(bout.count() + 1, 0.0);
-    for (std::size_t i = 0; i < bout.count(); ++i) sum[i + 1] = sum[i] + walk.dy_m[bout.first + i];
-    Signal sway;
-    for (std::size_t i = kSettle; i + kSettle < bout.count(); ++i)
-      sway.push_back(walk.dy_m[bout.first + i] - (sum[i + half + 1] - sum[i - half]) / static_cast<double>(2 * half + 1));
-    out.push_back(std::move(sway));
-  }
-  return out;
-}
-
-// A(m) = sum x_i x_{i+m} / (N - m), all stretches together.
-double autocorrelation(const std::vector<Signal>& sways, std::size_t m) {
-  double sum = 0;
-  std::size_t pairs = 0;
-  for (const Signal& x : sways) {
-    if (x.size() <= m) continue;
-    pairs += x.size() - m;
-    for (std::size_t i = 0; i + m < x.size(); ++i) sum += x[i] * x[i + m];
-  }
-  return pairs == 0 ? 0.0 : sum / static_cast<double>(pairs);
-}
+/// A crossing sooner after the last one than this share of the stride is none; a stride longer than this has missed one.
+constexpr double kNearestNorm = 0.5, kLongestNorm = 1.6;
 
 // The first main peak, in samples, between them by a parabola; 0 for none.
-double main_peak(const std::vector<double>& a) {
+double main_peak(std::span<const double> a, std::size_t shortest, std::size_t longest) {
   std::vector<std::size_t> peaks;
   double highest = 0;
-  for (std::size_t m = kShortest; m <= kLongest; ++m) {
+  for (std::size_t m = shortest; m <= longest; ++m) {
     if (!(a[m] > 0 && a[m] >= a[m - 1] && a[m] > a[m + 1])) continue;
     peaks.push_back(m);
     highest = std::max(highest, a[m]);
@@ -66,41 +36,26 @@ double main_peak(const std::vector<double>& a) {
   return 0;
 }
 
-double between(const std::vector<double>& values, double at) {
+double between(std::span<const double> values, double at) {
   const auto before = static_cast<std::size_t>(at);
   const double share = at - static_cast<double>(before);
   return values[before] + share * (values[std::min(before + 1, values.size() - 1)] - values[before]);
 }
 
-// Upward crossings of the middle, in samples; each after a clear swing to the right, so that noise at the middle is none.
-std::vector<double> crossings_of(const Signal& x, double rms_m, double stride) {
-  constexpr double kClear = 0.3, kNearest = 0.5;
-  std::vector<double> out;
-  bool swung = false;
-  for (std::size_t i = 1; i < x.size(); ++i) {
-    swung = swung || x[i] < -kClear * rms_m;
-    if (!swung || x[i] < 0 || x[i - 1] >= 0) continue;
-    const double at = static_cast<double>(i) - x[i] / (x[i] - x[i - 1]);
-    if (out.empty() || at - out.back() > kNearest * stride) out.push_back(at);
-    swung = false;
-  }
-  return out;
-}
-
-/// Points of the mean stride, and the harmonics that are kept of it: more would follow the noise.
-constexpr std::size_t kPoints = 100, kHarmonics = 4;
-using MeanStride = std::array<double, kPoints>;
+/// Harmonics that are kept of the mean stride: more would follow the noise.
+constexpr std::size_t kHarmonics = 4;
 
 constexpr std::size_t kFine = 4000;
-std::vector<double> smoothed(const MeanStride& mean) {
+std::vector<double> smoothed(std::span<const double> mean) {
+  const auto points = static_cast<double>(mean.size());
   constexpr double kTurn_rad = 2 * std::numbers::pi;
   std::vector<double> out(kFine, 0.0);
   for (std::size_t h = 1; h <= kHarmonics; ++h) {
     double cosine = 0, sine = 0;
-    for (std::size_t p = 0; p < kPoints; ++p) {
-      const double angle_rad = kTurn_rad * static_cast<double>(h * p) / kPoints;
-      cosine += 2.0 / kPoints * mean[p] * std::cos(angle_rad);
-      sine += 2.0 / kPoints * mean[p] * std::sin(angle_rad);
+    for (std::size_t p = 0; p < mean.size(); ++p) {
+      const double angle_rad = kTurn_rad * static_cast<double>(h * p) / points;
+      cosine += 2.0 / points * mean[p] * std::cos(angle_rad);
+      sine += 2.0 / points * mean[p] * std::sin(angle_rad);
     }
     for (std::size_t f = 0; f < kFine; ++f) {
       const double angle_rad = kTurn_rad * static_cast<double>(h * f) / kFine;
@@ -126,7 +81,7 @@ double way_across(const std::vector<double>& stride, std::size_t from, std::size
 }
 
 // The extremes themselves are flat, and their place is lost in the noise; the way between the levels of the root mean square is steep.
-double asymmetry_of(const MeanStride& mean) {
+double asymmetry_of(std::span<const double> mean) {
   const std::vector<double> stride = smoothed(mean);
   double squares = 0;
   for (const double value : stride) squares += value * value;
@@ -137,53 +92,160 @@ double asymmetry_of(const MeanStride& mean) {
   return 2.0 * (to_left - to_right) / (to_left + to_right);
 }
 
-// Strides one by one, and the mean of all of them drawn to one length.
-void add_strides(const std::vector<Signal>& sways, Rhythm& out) {
-  constexpr double kLongestNorm = 1.6;
-  const double stride = out.stride_s / kSample_s;
-  const double rms_m = std::sqrt(autocorrelation(sways, 0));
-  MeanStride mean{};
-  for (const Signal& x : sways) {
-    const std::vector<double> crossings = crossings_of(x, rms_m, stride);
-    for (std::size_t k = 1; k < crossings.size(); ++k) {
-      const double length = crossings[k] - crossings[k - 1];
-      if (length > kLongestNorm * stride) continue;  // one was missed
-      out.strides_s.push_back(length * kSample_s);
-      for (std::size_t p = 0; p < kPoints; ++p) mean[p] += between(x, crossings[k - 1] + length * static_cast<double>(p) / kPoints);
-    }
-  }
-  out.why_no_spread = out.strides_s.size() < kFewestForSpread ? NoFigure::few_strides : NoFigure::none;
-  if (out.why_no_spread != NoFigure::none) return;
-  out.asymmetry = asymmetry_of(mean);
-}
-
 }  // namespace
 
-Rhythm rhythm_of(const Walk& walk, const std::vector<Stretch>& bouts) {
-  Rhythm out;
-  const auto none = [&out](NoFigure why) {
-    out.why = out.why_no_spread = why;
-    return out;
+const SwayStream::Piece& SwayStream::add(const WalkSample& sample) {
+  piece_.sway_m.clear();
+  const std::optional<std::size_t> at = run_.add(sample);
+  if (!at || *at == 0) {
+    held_.clear();
+    place_ = 0;
+    sum_m_[0] = 0;
+  }
+  if (!at) return piece_;
+  const std::size_t k = *at;
+  dy_m_[k % kWindow] = sample.dy_m;
+  sum_m_[(k + 1) % kWindow] = sum_m_[k % kWindow] + sample.dy_m;
+  if (k < 2 * kSettle) return piece_;
+  static_assert(2 * kSettle + 2 <= kWindow);
+  const std::size_t i = k - kSettle;
+  const double middle_m = (sum_m_[(i + half_ + 1) % kWindow] - sum_m_[(i - half_) % kWindow]) / static_cast<double>(2 * half_ + 1);
+  held_.push_back(dy_m_[i % kWindow] - middle_m);
+  if (k + 1 < 2 * kSettle + kLeastStretch) return piece_;
+  piece_.sway_m.swap(held_);
+  piece_.place = std::exchange(place_, place_ + piece_.sway_m.size());
+  return piece_;
+}
+
+void RhythmFinder::add(const WalkSample& sample) {
+  const SwayStream::Piece& piece = sway_.add(sample);
+  std::size_t place = piece.place;
+  for (const double sway_m : piece.sway_m) {
+    switch (pass_) {
+      case Pass::likeness:
+        add_likeness(place, sway_m);
+        break;
+      case Pass::size:
+        ++size_count_;
+        squares_ += sway_m * sway_m;
+        break;
+      case Pass::strides:
+        add_stride_sample(place, sway_m);
+        break;
+      case Pass::over:
+        break;
+    }
+    ++place;
+  }
+}
+
+// A(m) = sum x_i x_{i+m} / (N - m), all stretches together.
+void RhythmFinder::add_likeness(std::size_t place, double sway_m) {
+  if (place == 0) {
+    ++stretches_;
+    window_.fill(0.0);
+  }
+  ++steady_;
+  window_[next_] = window_[next_ + kLags] = sway_m;
+  next_ = (next_ + 1) % kLags;
+  // Before a stretch's first value the window holds zeros, which add nothing.
+  const double* const earlier = window_.data() + next_;
+  for (std::size_t i = 0; i < kLags; ++i) products_[i] += earlier[i] * sway_m;
+}
+
+bool RhythmFinder::find_stride() {
+  const auto none = [this](NoFigure why) {
+    out_.why = out_.why_no_spread = why;
+    return false;
   };
-  if (!walk.has_sway) return none(NoFigure::not_recorded);
-  if (bouts.empty()) return none(NoFigure::no_motion);
-  const std::vector<Signal> sways = sways_of(walk, bouts, kMiddle);
-  std::size_t steady = 0;
-  for (const Signal& x : sways) steady += x.size();
-  if (steady < kFewestStrides * kShortest) return none(NoFigure::few_strides);
-  std::vector<double> a;
-  for (std::size_t m = 0; m <= kLongest + 1; ++m) a.push_back(autocorrelation(sways, m));
+  if (steady_ < kFewestStrides * kShortest) return none(NoFigure::few_strides);
+  static_assert(kLeastStretch > kLags, "every stretch has pairs of each distance");
+  std::array<double, kLags> a{};
+  for (std::size_t m = 0; m < kLags; ++m) a[m] = products_[kLags - 1 - m] / static_cast<double>(steady_ - stretches_ * m);
   if (a[0] < kLeastSway_m * kLeastSway_m) return none(NoFigure::no_rhythm);
-  const double stride = main_peak(a);
-  if (stride <= 0 || between(a, stride) < kLeastRegularity * a[0]) return none(NoFigure::no_rhythm);
-  if (static_cast<double>(steady) < static_cast<double>(kFewestStrides) * stride) return none(NoFigure::few_strides);
-  out.why = NoFigure::none;
-  out.stride_s = stride * kSample_s;
-  out.stride_regularity = between(a, stride) / a[0];
-  out.step_regularity = std::fabs(between(a, stride / 2)) / a[0];
+  stride_ = main_peak(a, kShortest, kLongest);
+  if (stride_ <= 0 || between(a, stride_) < kLeastRegularity * a[0]) return none(NoFigure::no_rhythm);
+  if (static_cast<double>(steady_) < static_cast<double>(kFewestStrides) * stride_) return none(NoFigure::few_strides);
+  out_.why = NoFigure::none;
+  out_.stride_s = stride_ * kSample_s;
+  out_.stride_regularity = between(a, stride_) / a[0];
+  out_.step_regularity = std::fabs(between(a, stride_ / 2)) / a[0];
+  stride_ = out_.stride_s / kSample_s;
+  return true;
+}
+
+bool RhythmFinder::again() {
   // About its mean over one stride: a mean over another time would keep a part of the stride itself, and shift its extremes.
-  add_strides(sways_of(walk, bouts, std::min(samples_in(out.stride_s / 2), kSettle)), out);
-  return out;
+  const auto over_a_stride = [this] { return SwayStream(std::min(samples_in(out_.stride_s / 2), kSettle)); };
+  switch (pass_) {
+    case Pass::likeness:
+      pass_ = find_stride() ? Pass::size : Pass::over;
+      if (pass_ == Pass::size) sway_ = over_a_stride();
+      break;
+    case Pass::size:
+      rms_m_ = size_count_ == 0 ? 0.0 : std::sqrt(squares_ / static_cast<double>(size_count_));
+      pass_ = Pass::strides;
+      sway_ = over_a_stride();
+      break;
+    case Pass::strides:
+      finish();
+      pass_ = Pass::over;
+      break;
+    case Pass::over:
+      break;
+  }
+  return pass_ != Pass::over;
+}
+
+// Upward crossings of the middle, each after a clear swing to the right, so that noise at the middle is none.
+void RhythmFinder::add_stride_sample(std::size_t place, double sway_m) {
+  constexpr double kClear = 0.3;
+  kept_m_[place % kKept] = sway_m;
+  if (place == 0) {
+    swung_ = false;
+    crossing_.reset();
+    return;
+  }
+  const double before_m = kept_m_[(place - 1) % kKept];
+  swung_ = swung_ || sway_m < -kClear * rms_m_;
+  if (!swung_ || sway_m < 0 || before_m >= 0) return;
+  swung_ = false;
+  const double at = static_cast<double>(place) - sway_m / (sway_m - before_m);
+  if (crossing_ && at - *crossing_ <= kNearestNorm * stride_) return;
+  if (crossing_ && at - *crossing_ <= kLongestNorm * stride_) add_stride(*crossing_, at);
+  crossing_ = at;
+}
+
+// The stride itself, and its part of the mean of all of them drawn to one length.
+void RhythmFinder::add_stride(double from, double to) {
+  static_assert(kLongestNorm * (kLongest + 1) + 2 < kKept);
+  const double beyond_s = (to - from) * kSample_s - out_.stride_s;
+  ++strides_;
+  beyond_s_ += beyond_s;
+  beyond2_s2_ += beyond_s * beyond_s;
+  for (std::size_t p = 0; p < kPoints; ++p) mean_[p] += sway_at(from + (to - from) * static_cast<double>(p) / kPoints);
+}
+
+double RhythmFinder::sway_at(double place) const {
+  const auto before = static_cast<std::size_t>(place);
+  const double share = place - static_cast<double>(before), at_m = kept_m_[before % kKept];
+  return at_m + share * (kept_m_[(before + 1) % kKept] - at_m);
+}
+
+void RhythmFinder::finish() {
+  out_.why_no_spread = strides_ < kFewestForSpread ? NoFigure::few_strides : NoFigure::none;
+  if (out_.why_no_spread != NoFigure::none) return;
+  const auto count = static_cast<double>(strides_);
+  const double variance_s2 = (beyond2_s2_ - beyond_s_ * beyond_s_ / count) / (count - 1);
+  out_.stride_time_cv = std::sqrt(std::max(variance_s2, 0.0)) / (out_.stride_s + beyond_s_ / count);
+  out_.asymmetry = asymmetry_of(mean_);
+}
+
+Rhythm RhythmFinder::result(const Walk& walk, bool any_bout) const {
+  if (walk.has_sway && any_bout) return out_;
+  Rhythm none;
+  none.why = none.why_no_spread = walk.has_sway ? NoFigure::no_motion : NoFigure::not_recorded;
+  return none;
 }
 
 }  // namespace hoist::db

@@ -1,97 +1,84 @@
 #include "db/metrics/task_result.hpp"
 
 #include <cmath>
-#include <cstddef>
 
 namespace hoist::db {
 
 namespace {
-/// The first sample from `from` on that passes; the walk's end for none.
-template <class Passes>
-std::size_t first_from(std::size_t from, const Walk& walk, const Passes& passes) {
-  std::size_t i = from;
-  while (i < walk.count() && !passes(i)) ++i;
-  return i;
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+}  // namespace
+
+TaskJudge::TaskJudge(const std::optional<WalkTask>& task, const std::optional<contract::ReferencePath>& path) : task_(task) {
+  if (path) lap_m_ = path->length_m();
 }
 
-double seconds_between(const Walk& walk, std::size_t from, std::size_t to) {
-  return static_cast<double>(walk.tick[to] - walk.tick[from]) * kSample_s;
-}
-
-std::size_t end_of(const Walk& walk, const Comparison& comparison) {
-  const std::size_t begun = *walk.begun;
-  switch (walk.task->ends) {
-    case TaskEnd::distance: {
-      const double there_m = walk.task->goal * comparison.lap_m - kTaskArrived_m;
-      return first_from(begun, walk, [&](std::size_t i) { return comparison.reference.s_m[i] >= there_m; });
-    }
+bool TaskJudge::at_end(const WalkSample& sample, const std::optional<double>& s_m) {
+  switch (task_->ends) {
+    case TaskEnd::distance:
+      return s_m && *s_m >= task_->goal * lap_m_ - kTaskArrived_m;
     case TaskEnd::time:
-      return first_from(begun, walk, [&](std::size_t i) { return seconds_between(walk, begun, i) >= walk.task->goal; });
+      return seconds_between(*begun_, sample.tick) >= task_->goal;
     case TaskEnd::turn:
-      return first_from(begun, walk, [&](std::size_t i) { return std::fabs(walk.psi_rad[i] - walk.psi_rad[begun]) >= walk.task->goal; });
+      return std::fabs(sample.psi_rad - first_.psi_rad) >= task_->goal;
     case TaskEnd::back: {
-      const auto away_m = [&](std::size_t i) { return std::hypot(walk.x_m[i] - walk.x_m[begun], walk.y_m[i] - walk.y_m[begun]); };
-      const std::size_t far = first_from(begun, walk, [&](std::size_t i) { return away_m(i) >= walk.task->goal; });
-      return first_from(far, walk, [&](std::size_t i) { return away_m(i) <= kTaskBack_m; });
+      const double away_m = std::hypot(sample.x_m - first_.x_m, sample.y_m - first_.y_m);
+      far_ = far_ || away_m >= task_->goal;
+      return far_ && away_m <= kTaskBack_m;
     }
     case TaskEnd::hand:
       break;
   }
-  return walk.count() - 1;
+  return false;
 }
 
-NoFigure why_not(const Walk& walk, const Comparison& comparison) {
-  if (!walk.task) return NoFigure::no_task;
-  if (!walk.begun) return NoFigure::no_motion;
+void TaskJudge::add(const WalkSample& sample, const std::optional<double>& s_m) {
+  if (!task_) return;
+  if (!begun_) {
+    if (sample.standing_still) return;
+    begun_ = sample.tick;
+    first_ = sample;
+  }
+  const auto pass = [&](Moment& moment, double place_m) {
+    if (!moment && s_m && *s_m >= place_m) moment = sample.tick;
+  };
+  pass(edge_, task_->edge_m);
+  pass(far_edge_, lap_m_ - task_->edge_m);
+  const double turned_rad = std::fabs(sample.psi_rad - first_.psi_rad);
+  if (!back_ && turned_rad >= kTaskBackHeading_deg * kDegree) back_ = sample.tick;
+  if (!back_ && turned_rad <= kTaskOutHeading_deg * kDegree) out_ = sample.tick;
+  if (end_) return;
+  if (at_end(sample, s_m))
+    end_ = sample.tick;
+  else
+    way_m_ += std::fabs(sample.speed_m_s) * kSample_s;
+}
+
+NoFigure TaskJudge::why_not(const Walk& walk, const Comparison& comparison) const {
+  if (!task_) return NoFigure::no_task;
+  if (!begun_) return NoFigure::no_motion;
   if (walk.several_walks) return NoFigure::several_walks;
   if (!walk.from_mark) return NoFigure::not_from_start;
   if (missing_s(walk) > kMissingMost_s) return NoFigure::part_missing;
-  return walk.task->ends == TaskEnd::distance ? comparison.why : NoFigure::none;
+  if (task_->ends == TaskEnd::distance && comparison.why != NoFigure::none) return comparison.why;
+  return end_ || task_->ends == TaskEnd::hand ? NoFigure::none : NoFigure::task_unfinished;
 }
 
-// The straight without its edges, where it was walked once.
-void add_timed(const Walk& walk, const Comparison& comparison, TaskResult& out) {
-  const double edge_m = walk.task->edge_m, timed_m = comparison.lap_m - 2 * edge_m;
-  if (!(edge_m > 0) || !(timed_m > 0)) return;
-  const auto at = [&](double s_m) {
-    return first_from(*walk.begun, walk, [&](std::size_t i) { return comparison.reference.s_m[i] >= s_m; });
-  };
-  const std::size_t from = at(edge_m), to = at(comparison.lap_m - edge_m);
-  if (to > from && to < walk.count()) out.timed_speed_m_s = timed_m / seconds_between(walk, from, to);
-}
-
-// There and back: the turn lies between the headings of the way out and of the way back.
-void add_phases(const Walk& walk, std::size_t end, TaskResult& out) {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
-  const std::size_t begun = *walk.begun;
-  const auto turned_rad = [&](std::size_t i) { return std::fabs(walk.psi_rad[i] - walk.psi_rad[begun]); };
-  const std::size_t back = first_from(begun, walk, [&](std::size_t i) { return turned_rad(i) >= kTaskBackHeading_deg * kDegree; });
-  if (back >= end) return;
-  std::size_t turn = back;
-  while (turn > begun && turned_rad(turn) > kTaskOutHeading_deg * kDegree) --turn;
-  out.out_s = seconds_between(walk, begun, turn);
-  out.turning_s = seconds_between(walk, turn, back);
-  out.back_s = seconds_between(walk, back, end);
-}
-}  // namespace
-
-TaskResult task_result_of(const Walk& walk, const Comparison& comparison) {
+TaskResult TaskJudge::result(const Walk& walk, const Comparison& comparison) const {
   TaskResult out;
   out.why = why_not(walk, comparison);
-  if (out.why != NoFigure::none) return out;
-  const std::size_t end = end_of(walk, comparison);
-  if (end >= walk.count()) {
-    out.why = NoFigure::task_unfinished;
-    return out;
-  }
-  const TaskEnd ends = walk.task->ends;
-  if (ends == TaskEnd::distance || ends == TaskEnd::turn || ends == TaskEnd::back) out.time_s = seconds_between(walk, *walk.begun, end);
-  if (ends == TaskEnd::distance) add_timed(walk, comparison, out);
-  if (ends == TaskEnd::back) add_phases(walk, end, out);
-  if (ends == TaskEnd::time) {
-    double way_m = 0;
-    for (std::size_t i = *walk.begun; i < end; ++i) way_m += std::fabs(walk.speed_m_s[i]) * kSample_s;
-    out.distance_m = way_m;
+  if (out.why != NoFigure::none || !end_) return out;
+  const TaskEnd ends = task_->ends;
+  if (ends == TaskEnd::distance || ends == TaskEnd::turn || ends == TaskEnd::back) out.time_s = seconds_between(*begun_, *end_);
+  if (ends == TaskEnd::time) out.distance_m = way_m_;
+  // The straight without its edges, where it was walked once.
+  const double timed_m = lap_m_ - 2 * task_->edge_m;
+  if (ends == TaskEnd::distance && task_->edge_m > 0 && timed_m > 0 && edge_ && far_edge_ && *far_edge_ > *edge_)
+    out.timed_speed_m_s = timed_m / seconds_between(*edge_, *far_edge_);
+  // There and back: the turn lies between the headings of the way out and of the way back.
+  if (ends == TaskEnd::back && back_ && *back_ < *end_) {
+    out.out_s = seconds_between(*begun_, *out_);
+    out.turning_s = seconds_between(*out_, *back_);
+    out.back_s = seconds_between(*back_, *end_);
   }
   return out;
 }

@@ -1,14 +1,11 @@
-// What the figures of a session are computed from: the samples in a mode in which the wheels may turn, joined in order, and how the modes
-// followed each other.
+// What the figures of a session are computed from: its samples in order, and what they say of the walk as a whole. Only samples in a mode in
+// which the wheels may turn count; the others tell how the modes followed each other. No sample is kept.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "control/contract/faults.hpp"
-#include "control/contract/reference_path.hpp"
-#include "db/metrics/task_end.hpp"
 
 namespace hoist::db {
 
@@ -27,65 +24,59 @@ struct WalkSample {
   double speed_m_s = 0;
   double lean_norm = 0, dx_m = 0;
 };
+/// Whether a sample counts.
+[[nodiscard]] inline bool counts(const WalkSample& sample) { return contract::kModes[static_cast<std::size_t>(sample.mode)].moving; }
 
-/// The task that the session is a repetition of, as it was recorded.
-struct WalkTask {
-  TaskEnd ends{};
-  double goal = 0, edge_m = 0;
-};
+/// How the modes followed each other.
+class ModeChanges {
+ public:
+  void add(contract::Mode mode);
+  /// The patient led at some time.
+  [[nodiscard]] bool led() const { return led_; }
+  /// How often leading ended, but for the last end into STANDBY.
+  [[nodiscard]] int interventions() const { return interventions_; }
+  /// How often motion ended in a protective stop, a fault or an emergency stop.
+  [[nodiscard]] int protective_stops() const { return protective_stops_; }
 
-/// Parameters that figures refer to, as they were in force when the session began; absent where they are not recorded, or changed during it.
-struct WalkSettings {
-  double lean_dead_band_norm = 0, lean_range_rad = 0, strut_length_m = 0;
+ private:
+  std::optional<contract::Mode> mode_;
+  bool led_ = false;
+  bool perhaps_last_ = false;  // leading ended into STANDBY, and no motion has followed
+  int interventions_ = 0, protective_stops_ = 0;
 };
 
 struct Walk {
-  /// The exercise's line; absent for free walking.
-  std::optional<contract::ReferencePath> path;
-  std::optional<WalkTask> task;
-  std::optional<WalkSettings> settings;
-  bool settings_changed = false;
+  // What only the recording knows.
   /// Steps that were walked, or may have been, and are not recorded: those of gaps beside a moving sample.
   std::uint64_t missing_samples = 0;
   /// A new start mark, or another mode in charge, between two of the samples: they are not one walk.
   bool several_walks = false;
-  bool from_mark = true;              ///< the first sample is at the start mark; false: the walk went on from an earlier recording
-  bool has_sway = true;               ///< false: the recording has no dy_m
-  bool has_lean = true;               ///< false: it has no lean_norm or dx_m
-  std::optional<std::size_t> begun;   ///< the first sample in which a wheel turned
-  std::uint64_t in_motion = 0;        ///< samples in which a wheel turned (standing_still 0)
-  std::uint64_t in_motion_led = 0;    ///< of these, samples in which the patient led
-  std::vector<contract::Mode> modes;  ///< of all samples, those that do not count too: each change once
-  std::vector<std::uint64_t> tick;
-  std::vector<contract::Mode> mode;
-  std::vector<double> x_m, y_m, psi_rad, dpsi_rad, dy_m, speed_m_s, lean_norm, dx_m;
+  bool from_mark = true;  ///< the first sample is at the start mark; false: the walk went on from an earlier recording
+  bool has_sway = true;   ///< false: the recording has no dy_m
+  bool has_lean = true;   ///< false: it has no lean_norm or dx_m
+  bool settings_changed = false;
 
-  void add(const WalkSample& sample) {
-    if (modes.empty() || modes.back() != sample.mode) modes.push_back(sample.mode);
-    if (!contract::kModes[static_cast<std::size_t>(sample.mode)].moving) return;
-    in_motion += sample.standing_still ? 0 : 1;
-    in_motion_led += !sample.standing_still && sample.mode == contract::Mode::user ? 1 : 0;
-    if (!begun && !sample.standing_still) begun = count();
-    tick.push_back(sample.tick);
-    mode.push_back(sample.mode);
-    x_m.push_back(sample.x_m);
-    y_m.push_back(sample.y_m);
-    psi_rad.push_back(sample.psi_rad);
-    dpsi_rad.push_back(sample.dpsi_rad);
-    dy_m.push_back(sample.dy_m);
-    speed_m_s.push_back(sample.speed_m_s);
-    lean_norm.push_back(sample.lean_norm);
-    dx_m.push_back(sample.dx_m);
-  }
-  [[nodiscard]] std::size_t count() const { return tick.size(); }
+  // Of the samples that count.
+  std::uint64_t samples = 0;
+  std::uint64_t in_motion = 0;      ///< samples in which a wheel turned (standing_still 0)
+  std::uint64_t in_motion_led = 0;  ///< of these, samples in which the patient led
+  double walked_m = 0, fastest_m_s = 0;
+
+  ModeChanges modes;
+
+  void add(const WalkSample& sample);
 };
 
-/// Samples [first, end) of a walk, one after the other without a gap.
-struct Stretch {
-  std::size_t first = 0, end = 0;
-  [[nodiscard]] std::size_t count() const { return end - first; }
+/// The runs of samples in which the hoist is faster than kBout_m_s, without a gap.
+inline constexpr double kBout_m_s = 0.05;
+class FastRun {
+ public:
+  /// For each sample that counts: its place in its run, 0 = a run begins; nothing when it is in none.
+  std::optional<std::size_t> add(const WalkSample& sample);
+
+ private:
+  std::optional<std::uint64_t> tick_;
+  std::size_t next_ = 0;
 };
-/// The walk cut where samples are missing.
-[[nodiscard]] std::vector<Stretch> whole_stretches(const Walk& walk);
 
 }  // namespace hoist::db

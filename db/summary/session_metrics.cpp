@@ -4,12 +4,19 @@
 #include <bit>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "control/contract/check.hpp"
 #include "control/contract/faults.hpp"
+#include "db/metrics/analysis.hpp"
+#include "db/store/chunk_source.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/sqlite.hpp"
 #include "db/store/tasks.hpp"
 
 namespace hoist::db {
@@ -41,11 +48,6 @@ class MissingSteps {
   std::uint64_t missing_ = 0;
 };
 
-void hash_column(std::uint64_t& hash, const std::vector<std::uint64_t>& ticks, const std::vector<double>& values) {
-  for (std::size_t i = 0; i < ticks.size(); ++i)
-    hash = contract::hash_number(contract::hash_number(hash, ticks[i]), std::bit_cast<std::uint64_t>(values[i]));
-}
-
 std::uint64_t hash_of(const std::vector<Gap>& gaps) {
   std::uint64_t hash = contract::kHashStart;
   for (const Gap& gap : gaps)
@@ -74,13 +76,13 @@ class OneWalk {
   double distance_m_ = 0, mark_ = 0;
 };
 
-// Places of the columns that are read; kNone for one that the recording does not have.
+// The columns that are read; kNone for one that the recording does not have.
 struct Places {
   static constexpr std::size_t kNone = SIZE_MAX;
   std::vector<std::string> names;
   std::size_t mode, x_m, y_m, psi_rad, dpsi_rad, dy_m, speed_m_s, standing_still, distance_m, start_mark, lean_norm, dx_m, version;
 
-  Places(const std::vector<ColumnInfo>& recorded, bool fused) {
+  Places(std::span<const ColumnInfo> recorded, bool fused) {
     const std::string of = fused ? "fused_" : "";
     mode = add("mode");
     x_m = add(of + "x_m");
@@ -91,14 +93,11 @@ struct Places {
     standing_still = add("standing_still");
     distance_m = add("distance_m");
     // Older recordings have no number of the start mark; a new mark shows in the distance, which begins at zero with it.
-    start_mark = has(recorded, "start_mark") ? add("start_mark") : kNone;
-    dy_m = has(recorded, "dy_m") ? add("dy_m") : kNone;
-    lean_norm = has(recorded, "lean_norm") ? add("lean_norm") : kNone;
-    dx_m = has(recorded, "dx_m") ? add("dx_m") : kNone;
-    version = has(recorded, "parameter_version") ? add("parameter_version") : kNone;
-  }
-  static bool has(const std::vector<ColumnInfo>& recorded, std::string_view name) {
-    return std::any_of(recorded.begin(), recorded.end(), [name](const ColumnInfo& column) { return column.name == name; });
+    start_mark = find_column(recorded, "start_mark") ? add("start_mark") : kNone;
+    dy_m = find_column(recorded, "dy_m") ? add("dy_m") : kNone;
+    lean_norm = find_column(recorded, "lean_norm") ? add("lean_norm") : kNone;
+    dx_m = find_column(recorded, "dx_m") ? add("dx_m") : kNone;
+    version = find_column(recorded, "parameter_version") ? add("parameter_version") : kNone;
   }
 
  private:
@@ -108,55 +107,113 @@ struct Places {
   }
 };
 
-// Joins the samples of a session, piece by piece.
-class Joiner {
+// The stored samples of a session, chunk by chunk: what is recorded or folded meanwhile changes nothing. Throws SqlFailure.
+class StoredWalk {
  public:
-  Joiner(const Places& places, std::vector<Gap> gaps, RecordedWalk& out) : places_(places), missing_(std::move(gaps)), out_(out) {
-    out_.walk.has_sway = places.dy_m != Places::kNone;
-    out_.walk.has_lean = places.lean_norm != Places::kNone && places.dx_m != Places::kNone;
-    for (const std::string& name : places.names) out_.inputs[name] = contract::kHashStart;
+  StoredWalk(Database& database, SessionId session, std::span<const ColumnInfo> layout, const Places& places)
+      : handle_(database.handle()), source_(handle_, session, layout.size()) {
+    for (const std::string_view name : {std::string_view("tick"), std::string_view("time_ns")}) add(layout, name);
+    for (const std::string& name : places.names) add(layout, name);
+    Statement newest(handle_, "SELECT max(last_tick) FROM chunks WHERE session_id = ?1");
+    if (newest.integer(1, session).step() && !newest.is_null(0)) last_tick_ = newest.unsigned_at(0);
   }
-  void add(const Columns& columns) {
-    for (std::size_t c = 0; c < places_.names.size(); ++c) hash_column(out_.inputs[places_.names[c]], columns.tick, columns.values[c]);
-    for (std::size_t i = 0; i < columns.tick.size(); ++i) add(columns, i);
+  [[nodiscard]] bool empty() const { return !last_tick_; }
+  void rewind() { next_tick_ = 0; }
+
+  // Calls `use(tick, values)` with the next samples, the values in the order of Places; false at the end.
+  template <typename Use>
+  bool next(Use use) {
+    if (!last_tick_ || next_tick_ > *last_tick_) return false;
+    const Transaction transaction(handle_, Transaction::Kind::read);
+    const std::optional<StoredChunk> chunk = source_.at_or_after(next_tick_);
+    if (!chunk || chunk->first_tick > *last_tick_) return false;
+    source_.load(*chunk, which_, stored_);
+    std::vector<double> values(which_.size() - 2);
+    for (std::size_t i = 0; i < stored_[0].size(); ++i) {
+      const auto tick = static_cast<std::uint64_t>(stored_[0][i]);
+      if (tick < next_tick_ || tick > *last_tick_) continue;
+      for (std::size_t c = 0; c < values.size(); ++c) values[c] = static_cast<double>(stored_[c + 2][i]) / scale_[c + 2];
+      use(tick, std::span<const double>(values));
+    }
+    next_tick_ = chunk->last_tick + 1;
+    return true;
   }
-  void end() { out_.walk.missing_samples = missing_.all(); }
 
  private:
-  void add(const Columns& columns, std::size_t i) {
-    const auto at = [&](std::size_t place) { return place == Places::kNone ? 0.0 : columns.values[place][i]; };
-    const auto mode = static_cast<std::size_t>(at(places_.mode));
-    if (mode >= contract::kModes.size()) return missing_.sample(columns.tick[i], false);
-    const bool moving = contract::kModes[mode].moving;
-    missing_.sample(columns.tick[i], moving);
-    Walk& walk = out_.walk;
-    if (moving) {
-      const double distance_m = at(places_.distance_m);
-      if (walk.count() == 0) walk.from_mark = distance_m <= kAtMark_m;
-      walk.several_walks = one_walk_.broken(mode, distance_m, at(places_.start_mark)) || walk.several_walks;
-      walk.settings_changed = (walk.count() > 0 && at(places_.version) != version_) || walk.settings_changed;
-      version_ = at(places_.version);
-    }
-    walk.add({columns.tick[i], static_cast<contract::Mode>(mode), at(places_.standing_still) != 0.0, at(places_.x_m), at(places_.y_m),
-              at(places_.psi_rad), at(places_.dpsi_rad), at(places_.dy_m), at(places_.speed_m_s), at(places_.lean_norm), at(places_.dx_m)});
+  void add(std::span<const ColumnInfo> layout, std::string_view name) {
+    const auto found = find_column(layout, name);
+    if (!found) throw SqlFailure{Error{ErrorKind::bad_value, "this session has no column " + std::string(name), "columns"}};
+    which_.push_back(*found);
+    scale_.push_back(decimal_scale(layout[*found].decimals));
+  }
+  sqlite3* handle_;
+  ChunkSource source_;
+  std::vector<std::size_t> which_;  // tick, time_ns, then the others
+  std::vector<double> scale_;
+  std::vector<std::vector<std::int64_t>> stored_;
+  std::optional<std::uint64_t> last_tick_;
+  std::uint64_t next_tick_ = 0;
+};
+
+std::optional<WalkSample> sample_of(const Places& places, std::uint64_t tick, std::span<const double> values) {
+  const auto at = [&](std::size_t place) { return place == Places::kNone ? 0.0 : values[place]; };
+  const auto mode = static_cast<std::size_t>(at(places.mode));
+  if (mode >= contract::kModes.size()) return std::nullopt;
+  return WalkSample{tick,
+                    static_cast<contract::Mode>(mode),
+                    at(places.standing_still) != 0.0,
+                    at(places.x_m),
+                    at(places.y_m),
+                    at(places.psi_rad),
+                    at(places.dpsi_rad),
+                    at(places.dy_m),
+                    at(places.speed_m_s),
+                    at(places.lean_norm),
+                    at(places.dx_m)};
+}
+
+// The first reading of a walk: what was read, and how the samples belong together.
+class FirstReading {
+ public:
+  FirstReading(const Places& places, std::vector<Gap> gaps, Analyser& analyser)
+      : places_(places), missing_(std::move(gaps)), analyser_(analyser), hashes_(places.names.size(), contract::kHashStart) {
+    analyser_.walk().has_sway = places.dy_m != Places::kNone;
+    analyser_.walk().has_lean = places.lean_norm != Places::kNone && places.dx_m != Places::kNone;
+  }
+  void add(std::uint64_t tick, std::span<const double> values) {
+    for (std::size_t c = 0; c < values.size(); ++c)
+      hashes_[c] = contract::hash_number(contract::hash_number(hashes_[c], tick), std::bit_cast<std::uint64_t>(values[c]));
+    const std::optional<WalkSample> sample = sample_of(places_, tick, values);
+    missing_.sample(tick, sample && counts(*sample));
+    if (!sample) return;
+    if (counts(*sample)) join(*sample, values);
+    analyser_.add(*sample);
+  }
+  void end(InputHashes& inputs) {
+    analyser_.walk().missing_samples = missing_.all();
+    for (std::size_t c = 0; c < hashes_.size(); ++c) inputs[places_.names[c]] = hashes_[c];
+  }
+
+ private:
+  void join(const WalkSample& sample, std::span<const double> values) {
+    Walk& walk = analyser_.walk();
+    const double distance_m = values[places_.distance_m];
+    const double mark = places_.start_mark == Places::kNone ? 0.0 : values[places_.start_mark];
+    if (walk.samples == 0) walk.from_mark = distance_m <= kAtMark_m;
+    walk.several_walks = one_walk_.broken(static_cast<std::size_t>(sample.mode), distance_m, mark) || walk.several_walks;
+    const double version = places_.version == Places::kNone ? 0.0 : values[places_.version];
+    walk.settings_changed = (walk.samples > 0 && version != version_) || walk.settings_changed;
+    version_ = version;
   }
 
   const Places& places_;
   MissingSteps missing_;
   OneWalk one_walk_;
   double version_ = 0;
-  RecordedWalk& out_;
+  Analyser& analyser_;
+  std::vector<std::uint64_t> hashes_;
 };
 
-}  // namespace
-
-const Figure& SessionMetrics::operator[](std::string_view key) const {
-  for (std::size_t i = 0; i < kMetrics.size(); ++i)
-    if (kMetrics[i].key == key) return figures[i];
-  std::abort();
-}
-
-namespace {
 // The parameters that figures refer to. Nothing where one is not recorded.
 std::optional<WalkSettings> settings_of(const std::vector<std::pair<std::string, double>>& parameters, InputHashes& inputs) {
   WalkSettings settings;
@@ -172,61 +229,66 @@ std::optional<WalkSettings> settings_of(const std::vector<std::pair<std::string,
   inputs["parameters"] = hash;
   return settings;
 }
+
+// Reads the session as often as the analysis needs.
+Analysis analysis_of(Database& database, SessionId session, std::span<const ColumnInfo> layout, Analyser& analyser, SessionMetrics& out) {
+  const Places places(layout, out.track == "fused");
+  StoredWalk stored(database, session, layout, places);
+  if (stored.empty()) return analyser.result();
+  Result<std::vector<Gap>> gaps = SessionReader(database).gaps(session);
+  if (!gaps) throw SqlFailure{gaps.error()};
+  out.inputs["gaps"] = hash_of(*gaps);
+  FirstReading first(places, std::move(*gaps), analyser);
+  while (stored.next([&](std::uint64_t tick, std::span<const double> values) { first.add(tick, values); })) continue;
+  first.end(out.inputs);
+  while (analyser.again()) {
+    stored.rewind();
+    while (stored.next([&](std::uint64_t tick, std::span<const double> values) {
+      if (const auto sample = sample_of(places, tick, values)) analyser.add(*sample);
+    }))
+      continue;
+  }
+  return analyser.result();
+}
+
 }  // namespace
 
-Result<RecordedWalk> recorded_walk(Database& database, SessionId session) {
-  // Read piece by piece, so that a long session is not refused; an hour is 10 pieces.
-  constexpr double kPiece_s = 360.0;
-  const SessionReader reader(database);
-  const Result<SessionInfo> info = reader.get(session);
-  if (!info) return info.error();
-  const Result<std::vector<ColumnInfo>> recorded = reader.columns(session);
-  if (!recorded) return recorded.error();
-  RecordedWalk out;
-  out.fused = Places::has(*recorded, "fused_psi_rad");
-  Result<Overview> whole = reader.overview(session, {}, 1);
-  if (!whole) return whole.error();
-  if (whole->from_s.empty()) return out;
-  Result<std::vector<Gap>> gaps = reader.gaps(session);
-  if (!gaps) return gaps.error();
-  const auto parameters = reader.parameters(session);
-  if (!parameters) return parameters.error();
-  out.inputs["gaps"] = hash_of(*gaps);
-  const Places places(*recorded, out.fused);
-  Joiner joiner(places, std::move(*gaps), out);
-  out.walk.settings = settings_of(*parameters, out.inputs);
-  const double end_s = whole->to_s.back();
-  for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
-    const Result<Columns> columns = reader.read_columns(session, places.names, {from_s, from_s + kPiece_s});
-    if (!columns) return columns.error();
-    joiner.add(*columns);
-  }
-  joiner.end();
-  return out;
+const Figure& SessionMetrics::operator[](std::string_view key) const {
+  for (std::size_t i = 0; i < kMetrics.size(); ++i)
+    if (kMetrics[i].key == key) return figures[i];
+  std::abort();
 }
 
 Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
-  Result<RecordedWalk> recorded = recorded_walk(database, session);
-  if (!recorded) return recorded.error();
-  const Result<SessionInfo> info = SessionReader(database).get(session);
-  if (!info) return info.error();
-  SessionMetrics out;
-  out.session = session;
-  out.track = recorded->fused ? "fused" : "encoders";
-  out.inputs = std::move(recorded->inputs);
-  if (info->exercise_json) {
-    if (Status checked = check_exercise(*info->exercise_json); !checked)
-      return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
-    out.shape = exercise_as_told(info->exercise_json)["shape"].get<std::string>();
-    out.inputs["exercise"] = contract::hash_bytes(contract::kHashStart, *info->exercise_json);
-    if (const contract::ReferencePath line = figure_of_stored(*info->exercise_json); line.valid()) recorded->walk.path = line;
-    if (const auto task = task_of_stored(info->exercise_json)) recorded->walk.task = WalkTask{task->ends, task->goal, task->edge_m};
-  }
-  const Analysis analysis = analyse(std::move(recorded->walk));
-  out.figures = figures_of(analysis);
-  out.start_m = analysis.comparison.start_m;
-  out.why_absent = out["C"].value ? out["J_N"].why : out["C"].why;
-  return out;
+  return guarded([&]() -> Result<SessionMetrics> {
+    const SessionReader reader(database);
+    const Result<SessionInfo> info = reader.get(session);
+    if (!info) return info.error();
+    const Result<std::vector<ColumnInfo>> layout = reader.columns(session);
+    if (!layout) return layout.error();
+    SessionMetrics out;
+    out.session = session;
+    out.track = find_column(*layout, "fused_psi_rad") ? "fused" : "encoders";
+    std::optional<contract::ReferencePath> path;
+    std::optional<WalkTask> task;
+    if (info->exercise_json) {
+      if (Status checked = check_exercise(*info->exercise_json); !checked)
+        return Error{
+            ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
+      out.shape = exercise_as_told(info->exercise_json)["shape"].get<std::string>();
+      out.inputs["exercise"] = contract::hash_bytes(contract::kHashStart, *info->exercise_json);
+      if (const contract::ReferencePath line = figure_of_stored(*info->exercise_json); line.valid()) path = line;
+      if (const auto stored = task_of_stored(info->exercise_json)) task = WalkTask{stored->ends, stored->goal, stored->edge_m};
+    }
+    const auto parameters = reader.parameters(session);
+    if (!parameters) return parameters.error();
+    Analyser analyser(path, task, info->sample_count > 0 ? settings_of(*parameters, out.inputs) : std::nullopt);
+    const Analysis analysis = analysis_of(database, session, *layout, analyser, out);
+    out.figures = figures_of(analysis);
+    out.start_m = analysis.comparison.start_m;
+    out.why_absent = out["C"].value ? out["J_N"].why : out["C"].why;
+    return out;
+  });
 }
 
 }  // namespace hoist::db

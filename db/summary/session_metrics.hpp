@@ -29,15 +29,7 @@ struct SessionMetrics {
   [[nodiscard]] const Figure& operator[](std::string_view key) const;
 };
 
-/// Errors: not_found, corrupt, io.
+/// Reads the session chunk by chunk, up to three times: the memory does not grow with it. Errors: not_found, corrupt, io.
 Result<SessionMetrics> session_metrics(Database& database, SessionId session);
-
-/// A walk as it is recorded, with the hashes of what was read.
-struct RecordedWalk {
-  Walk walk;
-  bool fused = false;  ///< where the hoist was: the track held against the gyroscope (slip repaired), else the encoders' own
-  InputHashes inputs;
-};
-Result<RecordedWalk> recorded_walk(Database& database, SessionId session);
 
 }  // namespace hoist::db

@@ -8,7 +8,7 @@ namespace hoist::db::figures {
 struct Correlation {
   static constexpr MetricInfo kInfo{
       .key = "C",
-      .version = 1,
+      .version = 2,
       .unit = "1",
       .nullable = true,
       .inputs = "mode x_m y_m psi_rad dpsi_rad distance_m start_mark gaps exercise",

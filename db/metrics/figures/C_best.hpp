@@ -7,7 +7,7 @@ namespace hoist::db::figures {
 struct CorrelationBest {
   static constexpr MetricInfo kInfo{
       .key = "C_best",
-      .version = 1,
+      .version = 2,
       .unit = "1",
       .nullable = true,
       .inputs = "mode x_m y_m psi_rad dpsi_rad distance_m start_mark gaps exercise",

@@ -21,7 +21,7 @@ struct Bouts {
       .screen_unit = "",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return counted(a, static_cast<int>(a.bouts.size())); }
+  static Figure of(const Analysis& a) { return counted(a, a.bouts.count); }
 };
 
 }  // namespace hoist::db::figures

@@ -23,7 +23,7 @@ struct Completion {
   };
   static Figure of(const Analysis& a) {
     if (a.comparison.why != NoFigure::none) return no_figure(a.comparison.why);
-    return figure((a.comparison.reference.s_m.back() - a.comparison.start_m) / a.comparison.lap_m);
+    return figure((a.comparison.end_m - a.comparison.start_m) / a.comparison.lap_m);
   }
 };
 

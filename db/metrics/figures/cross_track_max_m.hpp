@@ -1,7 +1,5 @@
 // Largest distance from the exercise.
 #pragma once
-#include <algorithm>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -23,10 +21,7 @@ struct CrossTrackMax {
       .screen_unit = "cm",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) {
-    const std::vector<double>& all = a.comparison.distance_m;
-    return compared_along(a, all.empty() ? 0.0 : *std::ranges::max_element(all));
-  }
+  static Figure of(const Analysis& a) { return compared_along(a, a.comparison.distance_max_m); }
 };
 
 }  // namespace hoist::db::figures

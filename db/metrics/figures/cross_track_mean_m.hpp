@@ -21,7 +21,7 @@ struct CrossTrackMean {
       .screen_unit = "cm",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return compared_along(a, mean(a.comparison.distance_m)); }
+  static Figure of(const Analysis& a) { return compared_along(a, a.comparison.distance_mean_m); }
 };
 
 }  // namespace hoist::db::figures

@@ -1,7 +1,5 @@
 // How often patient-led walking was broken off: by a stop, a fault or the therapist.
 #pragma once
-#include <algorithm>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -24,17 +22,7 @@ struct Interventions {
       .digits = 0,
   };
   static Figure of(const Analysis& a) {
-    using contract::Mode;
-    const std::vector<Mode>& modes = a.walk.modes;
-    const auto moving = [](Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving; };
-    if (std::ranges::count(modes, Mode::user) == 0) return no_figure(NoFigure::no_motion);
-    int ends = 0;
-    for (std::size_t i = 0; i + 1 < modes.size(); ++i) {
-      const auto next = modes.begin() + static_cast<std::ptrdiff_t>(i) + 1;
-      const bool last = *next == Mode::standby && std::none_of(next, modes.end(), moving);
-      ends += modes[i] == Mode::user && !last ? 1 : 0;
-    }
-    return counted(a, ends);
+    return a.walk.modes.led() ? counted(a, a.walk.modes.interventions()) : no_figure(NoFigure::no_motion);
   }
 };
 

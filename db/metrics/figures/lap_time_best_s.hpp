@@ -1,7 +1,5 @@
 // Shortest time for once along the exercise.
 #pragma once
-#include <algorithm>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -23,10 +21,7 @@ struct LapTimeBest {
       .screen_unit = "s",
       .digits = 1,
   };
-  static Figure of(const Analysis& a) {
-    if (a.comparison.why != NoFigure::none) return no_figure(a.comparison.why);
-    return a.comparison.lap_s.empty() ? no_figure(NoFigure::no_lap) : figure(*std::ranges::min_element(a.comparison.lap_s));
-  }
+  static Figure of(const Analysis& a) { return lapped(a, a.comparison.lap_best_s); }
 };
 
 }  // namespace hoist::db::figures

@@ -22,10 +22,7 @@ struct LapTimeMean {
       .screen_unit = "s",
       .digits = 1,
   };
-  static Figure of(const Analysis& a) {
-    if (a.comparison.why != NoFigure::none) return no_figure(a.comparison.why);
-    return a.comparison.lap_s.empty() ? no_figure(NoFigure::no_lap) : figure(mean(a.comparison.lap_s));
-  }
+  static Figure of(const Analysis& a) { return lapped(a, a.comparison.lap_mean_s); }
 };
 
 }  // namespace hoist::db::figures

@@ -1,8 +1,5 @@
 // Largest absolute speed while under way.
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -24,11 +21,7 @@ struct MaxSpeed {
       .screen_unit = "m/s",
       .digits = 2,
   };
-  static Figure of(const Analysis& a) {
-    double most_m_s = 0;
-    for (const double speed : a.walk.speed_m_s) most_m_s = std::max(most_m_s, std::fabs(speed));
-    return figure(most_m_s);
-  }
+  static Figure of(const Analysis& a) { return figure(a.walk.fastest_m_s); }
 };
 
 }  // namespace hoist::db::figures

@@ -22,16 +22,7 @@ struct ProtectiveStops {
       .digits = 0,
   };
   static Figure of(const Analysis& a) {
-    using contract::Mode;
-    const std::vector<Mode>& modes = a.walk.modes;
-    if (a.walk.count() == 0) return no_figure(NoFigure::no_motion);
-    int stops = 0;
-    for (std::size_t i = 0; i + 1 < modes.size(); ++i) {
-      const Mode next = modes[i + 1];
-      const bool stopped = next == Mode::protective_stop || next == Mode::fault || next == Mode::emergency_stop;
-      stops += stopped && contract::kModes[static_cast<std::size_t>(modes[i])].moving ? 1 : 0;
-    }
-    return counted(a, stops);
+    return a.walk.samples == 0 ? no_figure(NoFigure::no_motion) : counted(a, a.walk.modes.protective_stops());
   }
 };
 

@@ -21,7 +21,7 @@ struct HeadingError {
       .screen_unit = "°",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return compared_along(a, rms(a.comparison.heading_rad)); }
+  static Figure of(const Analysis& a) { return compared_along(a, a.comparison.heading_rms_rad); }
 };
 
 }  // namespace hoist::db::figures

@@ -21,7 +21,7 @@ struct LateralError {
       .screen_unit = "cm",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return compared_along(a, rms(a.comparison.lateral_m)); }
+  static Figure of(const Analysis& a) { return compared_along(a, a.comparison.lateral_rms_m); }
 };
 
 }  // namespace hoist::db::figures

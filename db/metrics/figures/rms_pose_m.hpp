@@ -26,7 +26,7 @@ struct PoseError {
   };
   static Figure of(const Analysis& a) {
     const Figure j = PathError::of(a);
-    return j.value ? figure(std::sqrt(*j.value * a.comparison.ise->length_m / static_cast<double>(a.walk.count()))) : j;
+    return j.value ? figure(std::sqrt(*j.value * a.comparison.ise->length_m / static_cast<double>(a.walk.samples))) : j;
   }
 };
 

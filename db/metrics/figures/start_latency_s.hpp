@@ -23,10 +23,7 @@ struct StartLatency {
       .screen_unit = "s",
       .digits = 2,
   };
-  static Figure of(const Analysis& a) {
-    if (a.lead.why != NoFigure::none) return no_figure(a.lead.why);
-    return a.lead.latencies_s.empty() ? no_figure(NoFigure::no_start) : figure(mean(a.lead.latencies_s));
-  }
+  static Figure of(const Analysis& a) { return mean_of_lead(a, a.lead.latency_s, NoFigure::no_start); }
 };
 
 }  // namespace hoist::db::figures

@@ -24,7 +24,7 @@ struct Steps {
       .digits = 0,
   };
   static Figure of(const Analysis& a) {
-    return strided(a, std::round(2.0 * static_cast<double>(walking_samples(a)) * kSample_s / a.rhythm.stride_s));
+    return strided(a, std::round(2.0 * static_cast<double>(a.bouts.samples) * kSample_s / a.rhythm.stride_s));
   }
 };
 

@@ -23,10 +23,7 @@ struct StoppingWay {
       .screen_unit = "cm",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) {
-    if (a.lead.why != NoFigure::none) return no_figure(a.lead.why);
-    return a.lead.stopping_m.empty() ? no_figure(NoFigure::no_stop) : figure(mean(a.lead.stopping_m));
-  }
+  static Figure of(const Analysis& a) { return mean_of_lead(a, a.lead.stopping_m, NoFigure::no_stop); }
 };
 
 }  // namespace hoist::db::figures

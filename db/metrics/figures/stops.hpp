@@ -21,9 +21,7 @@ struct Stops {
       .screen_unit = "",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) {
-    return a.bouts.empty() ? no_figure(NoFigure::no_motion) : counted(a, pauses_between(a.walk, a.bouts));
-  }
+  static Figure of(const Analysis& a) { return a.bouts.count == 0 ? no_figure(NoFigure::no_motion) : counted(a, a.bouts.pauses); }
 };
 
 }  // namespace hoist::db::figures

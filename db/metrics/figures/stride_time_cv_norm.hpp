@@ -1,7 +1,5 @@
 // How much the time of a stride varies, as a share of its mean.
 #pragma once
-#include <cmath>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -9,7 +7,7 @@ namespace hoist::db::figures {
 struct StrideVariability {
   static constexpr MetricInfo kInfo{
       .key = "stride_time_cv_norm",
-      .version = 1,
+      .version = 2,
       .unit = "1",
       .nullable = true,
       .inputs = "mode speed_m_s dy_m",
@@ -26,11 +24,7 @@ struct StrideVariability {
       .digits = 1,
   };
   static Figure of(const Analysis& a) {
-    if (a.rhythm.why_no_spread != NoFigure::none) return no_figure(a.rhythm.why_no_spread);
-    const double middle_s = mean(a.rhythm.strides_s);
-    double squares = 0;
-    for (const double stride_s : a.rhythm.strides_s) squares += (stride_s - middle_s) * (stride_s - middle_s);
-    return figure(std::sqrt(squares / static_cast<double>(a.rhythm.strides_s.size() - 1)) / middle_s);
+    return a.rhythm.why_no_spread == NoFigure::none ? figure(a.rhythm.stride_time_cv) : no_figure(a.rhythm.why_no_spread);
   }
 };
 

@@ -1,7 +1,5 @@
 // Mean angle of the turns.
 #pragma once
-#include <cmath>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -24,9 +22,7 @@ struct TurnAngle {
       .digits = 0,
   };
   static Figure of(const Analysis& a) {
-    double sum = 0;
-    for (const Turn& turn : a.turns) sum += std::fabs(turn.angle_rad);
-    return a.turns.empty() ? no_figure(NoFigure::no_turn) : figure(sum / static_cast<double>(a.turns.size()));
+    return a.turns.count() == 0 ? no_figure(NoFigure::no_turn) : figure(a.turns.angle_rad / a.turns.count());
   }
 };
 

@@ -23,9 +23,9 @@ struct TurnLead {
   };
   static Figure of(const Analysis& a) {
     constexpr double kAlike = 0.3;
-    if (a.turns.empty()) return no_figure(NoFigure::no_turn);
-    const std::optional<BestLag> best = best_lag(a.walk.dpsi_rad, turn_rate_of(a.walk), kLagMost);
-    return best && best->c >= kAlike ? figure(best->lag * kSample_s) : no_figure(NoFigure::no_lead);
+    if (a.turns.count() == 0) return no_figure(NoFigure::no_turn);
+    const std::optional<BestLag>& lead = a.turns.lead;
+    return lead && lead->c >= kAlike ? figure(lead->lag * kSample_s) : no_figure(NoFigure::no_lead);
   }
 };
 

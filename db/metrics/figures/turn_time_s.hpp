@@ -22,9 +22,7 @@ struct TurnTime {
       .digits = 1,
   };
   static Figure of(const Analysis& a) {
-    double sum = 0;
-    for (const Turn& turn : a.turns) sum += static_cast<double>(turn.where.count()) * kSample_s;
-    return a.turns.empty() ? no_figure(NoFigure::no_turn) : figure(sum / static_cast<double>(a.turns.size()));
+    return a.turns.count() == 0 ? no_figure(NoFigure::no_turn) : figure(a.turns.time_s / a.turns.count());
   }
 };
 

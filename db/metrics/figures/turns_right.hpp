@@ -1,7 +1,5 @@
 // Turns of the hoist to the right by 45 degrees or more.
 #pragma once
-#include <algorithm>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -23,9 +21,7 @@ struct TurnsRight {
       .screen_unit = "",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) {
-    return counted(a, static_cast<int>(std::ranges::count_if(a.turns, [](const Turn& t) { return t.angle_rad < 0; })));
-  }
+  static Figure of(const Analysis& a) { return counted(a, a.turns.right); }
 };
 
 }  // namespace hoist::db::figures

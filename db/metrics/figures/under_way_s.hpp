@@ -21,7 +21,7 @@ struct UnderWay {
       .screen_unit = "s",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return figure(static_cast<double>(a.walk.count()) * kSample_s); }
+  static Figure of(const Analysis& a) { return figure(static_cast<double>(a.walk.samples) * kSample_s); }
 };
 
 }  // namespace hoist::db::figures

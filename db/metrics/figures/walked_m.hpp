@@ -1,7 +1,5 @@
 // Way walked, forward and backward: absolute speed times 10 ms, summed over the time under way.
 #pragma once
-#include <cmath>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -23,11 +21,7 @@ struct Walked {
       .screen_unit = "m",
       .digits = 1,
   };
-  static Figure of(const Analysis& a) {
-    double walked_m = 0;
-    for (const double speed : a.walk.speed_m_s) walked_m += std::fabs(speed) * kSample_s;
-    return figure(walked_m);
-  }
+  static Figure of(const Analysis& a) { return figure(a.walk.walked_m); }
 };
 
 }  // namespace hoist::db::figures

@@ -21,7 +21,7 @@ struct WalkingTime {
       .screen_unit = "s",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return figure(static_cast<double>(walking_samples(a)) * kSample_s); }
+  static Figure of(const Analysis& a) { return figure(static_cast<double>(a.bouts.samples) * kSample_s); }
 };
 
 }  // namespace hoist::db::figures

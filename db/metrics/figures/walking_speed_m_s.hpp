@@ -1,7 +1,5 @@
 // Mean speed in these bouts: setting off, stopping and standing hardly count.
 #pragma once
-#include <cmath>
-
 #include "db/metrics/metric.hpp"
 
 namespace hoist::db::figures {
@@ -24,10 +22,7 @@ struct WalkingSpeed {
       .digits = 2,
   };
   static Figure of(const Analysis& a) {
-    double sum = 0;
-    for (const Stretch& bout : a.bouts)
-      for (std::size_t i = bout.first; i < bout.end; ++i) sum += std::fabs(a.walk.speed_m_s[i]);
-    return a.bouts.empty() ? no_figure(NoFigure::no_motion) : figure(sum / static_cast<double>(walking_samples(a)));
+    return a.bouts.count == 0 ? no_figure(NoFigure::no_motion) : figure(a.bouts.walked_m_s / static_cast<double>(a.bouts.samples));
   }
 };
 

@@ -1,14 +1,16 @@
 // The figures of a run.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "db/metrics/comparison.hpp"
+#include "db/metrics/analysis.hpp"
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
+#include "db/metrics/median.hpp"
 #include "db/metrics/normalised_ise.hpp"
 #include "db/metrics/paired_test.hpp"
 #include "db/metrics/table_mean.hpp"
@@ -38,12 +40,13 @@ Track beside_the_eight(double dt_s, double offset_m, double speed_m_s = 0.3) {
   return track;
 }
 
-Walk walk_of(const contract::ReferencePath& path, const Track& track) {
-  Walk walk;
-  walk.path = path;
-  for (std::size_t i = 0; i < track.x_m.size(); ++i)
-    walk.add({i, contract::Mode::user, false, track.x_m[i], track.y_m[i], track.psi_rad[i], track.dpsi_rad[i], 0.0, 0.3});
-  return walk;
+Analysis analysis_of(const contract::ReferencePath& path, const Track& track) {
+  Analyser analyser(path);
+  do {
+    for (std::size_t i = 0; i < track.x_m.size(); ++i)
+      analyser.add({i, contract::Mode::user, false, track.x_m[i], track.y_m[i], track.psi_rad[i], track.dpsi_rad[i], 0.0, 0.3});
+  } while (analyser.again());
+  return analyser.result();
 }
 
 TEST(CrossCorrelation, IsBoundedSymmetricAndBlindToScale) {
@@ -112,11 +115,11 @@ TEST(Evaluate, KnowsAPerfectAndABentWalk) {
   const auto worse = evaluate(path, beside.columns());
   const double samples = static_cast<double>(beside.x_m.size());
   EXPECT_NEAR(worse->ise->j, samples * 0.01 / path.length_m(), 0.01 * worse->ise->j);
-  const Comparison compared = compare(walk_of(path, beside));
+  const Comparison compared = analysis_of(path, beside).comparison;
   ASSERT_EQ(compared.why, NoFigure::none);
   EXPECT_NEAR(compared.position_rms_m, 0.1, 1e-3);
-  EXPECT_NEAR(rms(compared.lateral_m), 0.1, 1e-3);
-  EXPECT_NEAR(rms(compared.heading_rad), 0.0, 1e-2);
+  EXPECT_NEAR(compared.lateral_rms_m, 0.1, 1e-3);
+  EXPECT_NEAR(compared.heading_rms_rad, 0.0, 1e-2);
   auto against = beside;
   for (auto& value : against.dpsi_rad) value = -value;
   EXPECT_LT(*evaluate(path, against.columns())->c, -0.9);
@@ -149,6 +152,25 @@ TEST(Evaluate, RefusesWhatCannotBeJudged) {
   run = good;
   run.dt_s = 1e9;
   EXPECT_FALSE(evaluate_at_metric_rate(path, run.columns()).has_value()) << "a wrong dt must not ask for all memory";
+}
+
+// Element n / 2 in rising order, whatever the numbers.
+TEST(MedianSearch, IsTheOneOfTheSortedNumbers) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (const std::size_t count : {1U, 2U, 3U, 10U, 1001U, 5000U}) {
+    std::vector<double> values(count);
+    for (double& value : values) value = normal(random) * std::pow(10.0, normal(random) * 3);
+    if (count > 9) values[0] = values[1] = 0.0, values[2] = -0.0, values[3] = 1e308, values[4] = -1e308;
+    MedianSearch search;
+    do
+      for (const double value : values) search.add(value);
+    while (search.again());
+    std::ranges::sort(values);
+    EXPECT_EQ(search.value(), values[count / 2]) << count;
+    EXPECT_EQ(search.count(), count);
+  }
+  EXPECT_FALSE(MedianSearch().again());
 }
 
 TEST(TableMean, LeavesOutWhoDidNotRun) {
