@@ -11,7 +11,7 @@
 
 namespace hoist::chaos {
 
-/// Every fault that has a monitor in the core.
+/// Every fault that has a monitor in the core, but console_lost: the clients of a session have no connection to lose.
 [[nodiscard]] std::vector<contract::Fault> masks();
 
 struct MaskResult {
