@@ -586,9 +586,9 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   set_pose.v2 = pose.psi_rad;
   set_pose.a = exercise_key(*mode, *exercise, laps);
   const TaskRun& task_run = services.state.walk().task();
-  const bool next_repetition = task_run.over() && task_run.next(*exercise, *mode);
-  set_pose.b = wish.start_again == true || services.start_anew || next_repetition ? contract::kStartAgain : 0;
-  services.core.ask(set_pose, [&services, request, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
+  const bool again = wish.start_again == true || services.start_anew || (task_run.over() && task_run.next(*exercise, *mode));
+  set_pose.b = again ? contract::kStartAgain : 0;
+  services.core.ask(set_pose, [&services, request, again, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
                                ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
     if (!answer.done()) {
       Outcome outcome = outcome_of(answer);
@@ -611,8 +611,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
       return;
     }
     services.start_anew = false;
-    // The step that set the start mark is known by now: it decides which repetition begins.
-    const auto task = services.state.walk().task().next(exercise, static_cast<contract::Mode>(request.a));
+    const auto task = services.state.walk().task().next(exercise, static_cast<contract::Mode>(request.a), again);
     begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
   });
 }

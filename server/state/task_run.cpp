@@ -40,9 +40,9 @@ void TaskRun::forget() {
   choice_ = std::move(choice);
 }
 
-std::optional<db::TaskRecord> TaskRun::next(const Exercise& exercise, Mode mode) const {
+std::optional<db::TaskRecord> TaskRun::next(const Exercise& exercise, Mode mode, bool again) const {
   if (!choice_ || !same(exercise, choice_->exercise) || std::ranges::count(choice_->task->leads, mode) == 0) return std::nullopt;
-  const bool goes_on = repetition_ > 0 && mark_ && mark_ == counted_mark_;
+  const bool goes_on = !again && repetition_ > 0 && mark_ && mark_ == counted_mark_;
   return db::task_record(*choice_, goes_on ? repetition_ : repetition_ + 1);
 }
 
@@ -51,7 +51,6 @@ void TaskRun::begin(const std::optional<db::TaskRecord>& record) {
   ended_tick_.reset();
   if (!record || record->repetition == repetition_) return;
   repetition_ = record->repetition;
-  counted_mark_ = mark_;
   reached_ = false;
   begun_tick_.reset();
   psi_rad_.reset();
@@ -90,6 +89,7 @@ TaskRun::Change TaskRun::take(const TickRecord& record) {
   const bool moving = record.mode < contract::kModes.size() && contract::kModes[record.mode].moving;
   Change change;
   if (choice_ && of_task_ && repetition_ > 0) {
+    if (moving) counted_mark_ = mark_;
     if (moving && !begun_tick_ && record.standing_still == 0) {
       begun_tick_ = record.tick;
       from_x_m_ = static_cast<double>(record.fused_x_m);

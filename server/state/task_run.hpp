@@ -19,8 +19,8 @@ class TaskRun {
   [[nodiscard]] const std::optional<db::TaskChoice>& choice() const { return choice_; }
 
   // What a motion on this exercise would be recorded as, were it to begin now; nothing when it is not the task's. A new start mark begins the
-  // next repetition, the same one goes on with the last.
-  [[nodiscard]] std::optional<db::TaskRecord> next(const contract::Exercise& exercise, contract::Mode mode) const;
+  // next repetition, the same one goes on with the last. `again`: the start mark will be a new one; its step may come later than this question.
+  [[nodiscard]] std::optional<db::TaskRecord> next(const contract::Exercise& exercise, contract::Mode mode, bool again = false) const;
   // Whether the latest repetition has reached its end: a start on its line begins the next one, at its start.
   [[nodiscard]] bool over() const { return reached_; }
   // That motion has begun. Nothing: another motion, which is no repetition.
@@ -40,9 +40,9 @@ class TaskRun {
   [[nodiscard]] bool at_end(const contract::TickRecord& record);
 
   std::optional<db::TaskChoice> choice_;
-  std::uint32_t repetition_ = 0;  // begun so far
-  std::optional<std::uint32_t> mark_, counted_mark_;
-  bool of_task_ = false;  // the motion under way, or the latest one
+  std::uint32_t repetition_ = 0;                      // begun so far
+  std::optional<std::uint32_t> mark_, counted_mark_;  // of the newest step; of the latest motion of the task
+  bool of_task_ = false;                              // the motion under way, or the latest one
   bool moving_ = false, reached_ = false;
   contract::ReferencePath path_ = contract::ReferencePath::straight(0.0);
   double s_m_ = 0, turned_rad_ = 0, from_x_m_ = 0, from_y_m_ = 0;

@@ -453,7 +453,7 @@ TEST_F(LiveTest, EveryStepOnlyForTheDriver) {
 }
 
 // A sample of the topics state and motion: its length and where its values lie, by topics.def.
-constexpr std::size_t kStateBytes = 60, kMotionBytes = 20, kSamplesBegin = 20, kMode = 42;
+constexpr std::size_t kStateBytes = 66, kMotionBytes = 20, kSamplesBegin = 20, kMode = 46;
 struct ChosenSample {
   std::uint64_t tick = 0;
   std::uint8_t mode = 0;

@@ -347,7 +347,8 @@ TEST_F(WalkLiveTest, ATaskIsChosenForAllScreensEndsItsMotionAndIsRecorded) {
   core_->skip(400);
   json session;
   const auto is_recorded = [&] {
-    for (const json& one : get("/api/v1/sessions").json()["items"])
+    const json listed_now = get("/api/v1/sessions").json();
+    for (const json& one : listed_now["items"])
       if (one["recording"] == false && one["task"].is_object()) session = one;
     return session.is_object();
   };
