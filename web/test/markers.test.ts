@@ -16,18 +16,19 @@ beforeEach(async () => {
 
 const rows = () => page.locator('.session-markers li');
 const button = (name: string) => page.getByRole('button', { name, exact: true });
+const save = () => page.locator('form').getByRole('button', { name: en['common.save'], exact: true });
 const edit = (n: number) => rows().nth(n).getByRole('button').click();
 
 describe('a mark', { timeout: minutes_ms }, () => {
   it('gets another kind, text and time, each by itself', async () => {
     expect(await rows().locator('strong').allTextContents()).toEqual([en['marker.stumble'], 'Held the rail with the left hand', en['marker.help']]);
     await edit(1);
-    expect(await button(en['common.save']).isDisabled(), 'nothing to save yet').toBe(true);
+    expect(await save().isDisabled(), 'nothing to save yet').toBe(true);
     await page.getByLabel(en['marker.kind']).selectOption('rest');
     await page.getByLabel(en['marker.time']).fill('soon');
-    expect(await button(en['common.save']).isDisabled(), 'no time').toBe(true);
+    expect(await save().isDisabled(), 'no time').toBe(true);
     await page.getByLabel(en['marker.time']).fill('1:30');
-    await button(en['common.save']).click();
+    await save().click();
     await page.getByText(`${en['marker.rest']} · Held the rail with the left hand`).waitFor();
     await page.getByText('1:30').first().waitFor();
   });
@@ -35,7 +36,7 @@ describe('a mark', { timeout: minutes_ms }, () => {
   it('that lies outside the session says so and stays open', async () => {
     await edit(0);
     await page.getByLabel(en['marker.time']).fill('59:00');
-    await button(en['common.save']).click();
+    await save().click();
     await page.getByText(en['invalid.time_s']).waitFor();
     expect(await page.getByLabel(en['marker.time']).inputValue()).toBe('59:00');
   });
