@@ -6,6 +6,7 @@
 
 namespace hoist::chaos {
 namespace {
+constexpr double kRest_m_s = 0.02;
 
 using contract::Mode;
 using contract::Node;
@@ -177,7 +178,7 @@ void Deadlines::restart() {
 
 double Deadlines::rest_m_s(const Truth& truth) {
   // A servo at zero gives way to a body that shakes the struts.
-  constexpr double kRest_m_s = 0.02, kGives_m_s_n = 0.06 / 85.0;
+  constexpr double kGives_m_s_n = 0.06 / 85.0;
   return kRest_m_s + kGives_m_s_n * std::min(truth.hardest_n, kHeld_n);
 }
 
@@ -344,7 +345,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       return truth.chassis_rad > limit_rad && ears_.age(Node::tilt_base) <= 1 && base.valid && told;
     }
     case Rule::no_commands:
-      return holds_ && (mode == Mode::remote || mode == Mode::guided) && truth.time_s - held_s_ > 0.27;
+      // At rest driving ends without an alarm.
+      return truth.fastest_m_s > kRest_m_s && holds_ && (mode == Mode::remote || mode == Mode::guided) && truth.time_s - held_s_ > 0.27;
     case Rule::no_server:
       return ears_.server_age() >= 27 && (ears_.server_age() < Ears::kNever || ears_.steps() > 510);
     case Rule::beside_command: {

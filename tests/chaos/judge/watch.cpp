@@ -202,12 +202,11 @@ void Watch::watch_platform(bool core_ran) {
     if (std::fabs(speed_m_s) > 0.75) broken("I2: faster than 0.75 m/s", speed_m_s);
     if (std::fabs(yaw_rate_rad_s) > 1.1) broken("I2: turns faster than 63 degrees a second", yaw_rate_rad_s);
   }
-  // I8: without the core the drives brake by themselves: 50 ms, then the ramp.
-  if (core_ran) {
+  // I8: without the core the drives brake by themselves: 50 ms, then the ramp. What a body's push has turned has the ramp before it, too.
+  if (core_ran || excused) {
     core_silent_s_ = now_s;
     wheels_at_silence_m_s_ = truth.fastest_m_s;
-  } else if (now_s - core_silent_s_ > 0.06 + wheels_at_silence_m_s_ + kRollOut_s && !excused &&
-             truth.fastest_m_s > Deadlines::rest_m_s(truth)) {
+  } else if (now_s - core_silent_s_ > 0.06 + wheels_at_silence_m_s_ + kRollOut_s && truth.fastest_m_s > Deadlines::rest_m_s(truth)) {
     broken("I8: a wheel still turns after the core's last command", truth.fastest_m_s);
   }
 }
