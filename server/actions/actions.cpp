@@ -588,32 +588,33 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   const TaskRun& task_run = services.state.walk().task();
   const bool again = wish.start_again == true || services.start_anew || (task_run.over() && task_run.next(*exercise, *mode));
   set_pose.b = again ? contract::kStartAgain : 0;
-  services.core.ask(set_pose, [&services, request, again, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
-                               ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
-    if (!answer.done()) {
-      Outcome outcome = outcome_of(answer);
-      // A refused start names every reason, not only the one that stopped its first step.
-      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
-        outcome.kind = Outcome::Kind::refused;
-        outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
-      }
-      done(outcome);
-      return;
-    }
-    // A request to end that came after the start must not be overtaken by it while the pose was being set.
-    if (services.ends_asked != ends_asked) {
-      services.counters.add(Count::commands_refused);
-      Outcome outcome;
-      outcome.kind = Outcome::Kind::refused;
-      outcome.detail = "It was ended before it began.";
-      outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
-      done(outcome);
-      return;
-    }
-    services.start_anew = false;
-    const auto task = services.state.walk().task().next(exercise, static_cast<contract::Mode>(request.a), again);
-    begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
-  });
+  services.core.ask(set_pose,
+                    [&services, request, again, mode = *mode, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
+                     ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
+                      if (!answer.done()) {
+                        Outcome outcome = outcome_of(answer);
+                        // A refused start names every reason, not only the one that stopped its first step.
+                        if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+                          outcome.kind = Outcome::Kind::refused;
+                          outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
+                        }
+                        done(outcome);
+                        return;
+                      }
+                      // A request to end that came after the start must not be overtaken by it while the pose was being set.
+                      if (services.ends_asked != ends_asked) {
+                        services.counters.add(Count::commands_refused);
+                        Outcome outcome;
+                        outcome.kind = Outcome::Kind::refused;
+                        outcome.detail = "It was ended before it began.";
+                        outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
+                        done(outcome);
+                        return;
+                      }
+                      services.start_anew = false;
+                      const auto task = services.state.walk().task().next(exercise, mode, again);
+                      begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
+                    });
 }
 
 namespace {

@@ -648,7 +648,7 @@ const cases = {
     const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
     assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
     assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
-    assert(session.task?.task === 'straight' && session.task.repetition === 1, 'the session does not know its task');
+    assert(session.task?.task === 'straight' && session.task.repetition === 1, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
   },
 
   async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {

@@ -320,7 +320,8 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
   return (
     <div class="drive guided">
       <div class="walk-controls task-controls">
-        <Choice tasks={tasks} plan={plan} led={driven} choose={choose} />
+        {/* While the hoist leads, the button to hold is on the screen: what cannot be changed then makes room. */}
+        {guided ? null : <Choice tasks={tasks} plan={plan} led={driven} choose={choose} />}
         <StartEnd request={request} of={lead} startLabel={t('task.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={start} />
       </div>
       <Refusal request={request} />
@@ -330,7 +331,7 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
         <section class="card guided-card">
           <p class="task-instruction">{words(plan.task.instruction)}</p>
           {guided ? <Led /> : <Settings plan={allowed} change={change} speedMost_m_s={speedMost_m_s} />}
-          <Needs plan={allowed} yawLimit_rad_s={yawLimit_rad_s} />
+          {guided ? null : <Needs plan={allowed} yawLimit_rad_s={yawLimit_rad_s} />}
           {lead === 'guided' || guided ? (
             <>
               <Progress />
