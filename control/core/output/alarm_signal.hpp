@@ -13,7 +13,8 @@ namespace hoist::core {
 
 class AlarmSignal {
  public:
-  static constexpr auto kPauseTicks = static_cast<std::uint32_t>(contract::kAudioPause_s / kTick_s + 0.5);
+  static constexpr auto kPauseTicks = static_cast<std::uint32_t>(contract::kAudioPause_s / kTick_s);
+  static_assert(kPauseTicks == 12'000, "nothing is lost by rounding");
 
   /// Pauses the sound of these faults, from now on for kAudioPause_s. False: there is nothing to pause.
   [[nodiscard]] bool pause(contract::FaultBits in_force) noexcept {
