@@ -650,6 +650,7 @@ void act_choose_task(Services& services, const Asker& asker, const json& wish, O
   const auto choice = none ? std::nullopt : db::read_task_choice(wish, problems);
   if (!none && !choice) {
     std::vector<FieldError> errors;
+    errors.reserve(problems.size());
     for (db::ExerciseProblem& p : problems) errors.push_back({p.field, std::move(p.message), p.value, p.min, p.max});
     done(invalid(std::move(errors), "The task cannot be done so.", Reason::exercise));
     return;

@@ -72,9 +72,9 @@ db::Result<db::StudyId> walk_all(db::Database& database, const Protocol& protoco
     return std::async(std::launch::async,
                       [&protocol, next, seed = request.seed] { return walk(protocol, next.run, next.subject, next.done_before, seed); });
   };
-  std::future<VirtualRun> walks;
+  std::future<VirtualRun> walks = runs.empty() ? std::future<VirtualRun>{} : begin(runs.front());
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const VirtualRun walked = (i == 0 ? begin(runs[0]) : std::move(walks)).get();
+    const VirtualRun walked = walks.get();
     if (i + 1 < runs.size()) walks = begin(runs[i + 1]);
     const std::int64_t at_ns = request.begin_utc_ns + kBetween_ns * static_cast<std::int64_t>(i);
     if (!walked.records.empty()) {
