@@ -1,6 +1,6 @@
 // A patient's figures over the sessions: what is compared, and where the line breaks.
 import { describe, expect, it } from 'vitest';
-import { exerciseKey, exercisesOf, pointsOf, runsOf, spanOf, type TrendItem } from '../src/panels/patients/trend_model';
+import { changeOf, exerciseKey, exercisesOf, pointsOf, runsOf, spanOf, type TrendChange, type TrendItem } from '../src/panels/patients/trend_model';
 
 const eight = { shape: 'eight', c_m: 1, radius_m: 0.8 } as const;
 const square = { shape: 'square', side_m: 3.2 } as const;
@@ -21,6 +21,14 @@ describe('a trend', () => {
     expect([...exercisesOf(items).keys()]).toEqual([exerciseKey(eight), exerciseKey(square)]);
     expect(pointsOf(items, exerciseKey(eight), 'C').map(({ item: { session } }) => session)).toEqual([1, 2, 4, 5, 6]);
     expect(exerciseKey(null)).toBe(exerciseKey({ shape: 'free' }));
+  });
+
+  it('tells a change of the chosen exercise and figure only', () => {
+    const change = (figure: string, exercise: TrendItem['exercise'], last: number) => ({ figure, exercise, last }) as unknown as TrendChange;
+    const changes = [change('C', eight, 1), change('C', square, 2), change('J_N', eight, 3)];
+    expect(changeOf(changes, exerciseKey(square), 'C')?.last).toBe(2);
+    expect(changeOf(changes, exerciseKey(eight), 'J_N')?.last).toBe(3);
+    expect(changeOf(changes, exerciseKey(null), 'C')).toBeNull();
   });
 
   it('breaks its line at a session without the figure', () => {

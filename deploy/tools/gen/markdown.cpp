@@ -1,5 +1,6 @@
 // The reference pages that people read.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <string>
@@ -11,6 +12,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "db/metrics/change.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "deploy/tools/gen/bus_load.hpp"
 #include "deploy/tools/gen/generate.hpp"
@@ -83,6 +85,16 @@ GeneratedFile metrics_page() {
   for (const auto& m : db::kMetrics)
     out += row({code(m.key), std::to_string(m.version), std::string(m.unit), std::string(m.doc), std::string(m.formula),
                 m.gate.empty() ? "every session" : std::string(m.gate), std::string(m.inputs), std::string(m.source)});
+  out +=
+      "\n## Change you may believe\n\n"
+      "A change is told only beyond the minimal detectable change (95 %): the published one where the literature has it, else 1.96 sqrt(2) "
+      "s "
+      "with s the standard deviation of the patient's own walks of the exercise within visits, pooled, of at least " +
+      std::to_string(db::kLeastRepeats) + " degrees of freedom. Published (`db/metrics/changes/`):\n\n";
+  out += table_head({"figure", "first value from", "below", "least change", "measured with", "source"});
+  for (const db::PublishedChange& one : db::published_changes())
+    out += row({code(one.figure), number_text(one.from), std::isinf(one.to) ? "" : number_text(one.to), number_text(one.least),
+                std::string(one.whom_en), std::string(one.source)});
   return {"db/metrics/metrics.gen.md", out};
 }
 

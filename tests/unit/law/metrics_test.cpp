@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "db/metrics/change.hpp"
 #include "db/metrics/comparison.hpp"
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
@@ -188,6 +189,62 @@ TEST(PairedTest, GivesTheKnownValuesOfThePapersTables) {
   expect(j3, j6, 7, 3, 0.22);
   expect(c3, c6, 7, 4, 0.1875);
   EXPECT_FALSE(paired_test(c2, c2).p) << "nothing differs";
+}
+
+// Three visits with two walks each: differences 0.02, 0.04 and 0.06, so s^2 = (0.0002 + 0.0008 + 0.0018) / 3.
+std::vector<Measured> walks(std::size_t visits) {
+  std::vector<Measured> out;
+  for (std::size_t visit = 1; visit <= visits; ++visit)
+    for (int walk = 0; walk < 2; ++walk)
+      out.push_back({.session = static_cast<std::int64_t>(2 * visit) + walk,
+                     .visit = static_cast<std::int64_t>(visit),
+                     .value = static_cast<double>(visit) + 0.02 * static_cast<double>((visit - 1) % 3 + 1) * walk});
+  return out;
+}
+
+TEST(Change, ComesFromRepeatsWithinVisitsOnly) {
+  EXPECT_FALSE(own_least_change(walks(4))) << "4 degrees of freedom say nothing";
+  const auto least = own_least_change(walks(6));
+  ASSERT_TRUE(least);
+  EXPECT_NEAR(*least, 1.96 * std::sqrt(2.0 * 0.0028 / 3), 1e-12) << "the visits themselves differ by 1 and do not count";
+  std::vector<Measured> far = walks(6);
+  for (Measured& one : far) one.value += 1e6;
+  EXPECT_NEAR(*own_least_change(far), *least, 1e-9);
+}
+
+TEST(Change, IsToldBeyondTheLeastOneOnly) {
+  EXPECT_FALSE(change_of("J_N", {}));
+  const auto one = change_of("J_N", std::vector<Measured>{{1, 1, 5.0}, {2, 1, 9.0}});
+  EXPECT_EQ(one->why, NoChange::one_visit);
+  EXPECT_EQ(change_of("J_N", walks(4))->why, NoChange::few_repeats);
+  const auto real = change_of("J_N", walks(6));
+  EXPECT_EQ(real->why, NoChange::none);
+  EXPECT_EQ(real->repeats, 6U);
+  EXPECT_EQ(real->published, nullptr);
+  EXPECT_NEAR(real->difference(), 5.06, 1e-12);
+  std::vector<Measured> back = walks(6);
+  back.back().value = back.front().value - 0.01;
+  EXPECT_EQ(change_of("J_N", back)->why, NoChange::within_noise);
+}
+
+// Hosoi 2023: the faster the first walk, the larger the least change. Exactly that much is no change.
+TEST(Change, IsPublishedWhereTheLiteratureHasIt) {
+  const auto speed = [](double first, double last) {
+    return *change_of("walking_speed_m_s", std::vector<Measured>{{1, 1, first}, {2, 2, last}});
+  };
+  EXPECT_EQ(speed(0.25, 0.29).why, NoChange::within_noise);
+  EXPECT_EQ(speed(0.25, 0.31).why, NoChange::none);
+  EXPECT_EQ(speed(0.25, 0.19).why, NoChange::none) << "slower, too";
+  EXPECT_EQ(*speed(0.4, 0.5).least, 0.11);
+  EXPECT_EQ(*speed(0.8, 1.0).least, 0.21);
+  EXPECT_EQ(speed(0.5, 0.625).published->source, "Hosoi 2023");
+  EXPECT_EQ(*change_of("cadence_steps_min", std::vector<Measured>{{1, 1, 80.0}, {2, 2, 92.0}})->least, 12.0);
+  EXPECT_EQ(change_of("cadence_steps_min", std::vector<Measured>{{1, 1, 80.0}, {2, 2, 92.0}})->why, NoChange::within_noise);
+  for (const PublishedChange& one : published_changes()) {
+    EXPECT_LT(one.from, one.to);
+    EXPECT_GT(one.least, 0);
+    EXPECT_TRUE(one.figure == "walking_speed_m_s" || one.figure == "cadence_steps_min");
+  }
 }
 
 }  // namespace

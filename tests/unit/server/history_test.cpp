@@ -223,6 +223,12 @@ TEST_F(History, ATrendHoldsNoSimulatedWalk) {
   for (const db::MetricInfo& figure : db::kMetrics)
     EXPECT_EQ(trend["items"][1]["figures"][std::string{figure.key}], metrics[std::string{figure.key}]) << figure.key;
   EXPECT_EQ(trend["items"][1]["reason_code"], metrics["reason_code"]);
+  const auto walked = std::ranges::find_if(trend["changes"], [](const json& change) { return change["figure"] == "walked_m"; });
+  ASSERT_NE(walked, trend["changes"].end());
+  EXPECT_EQ((*walked)["first"], trend["items"][1]["figures"]["walked_m"]);
+  EXPECT_EQ((*walked)["last"], trend["items"][0]["figures"]["walked_m"]);
+  EXPECT_EQ((*walked)["first_session"], real[0]);
+  EXPECT_EQ((*walked)["reason_code"], "one_visit") << "both of one day";
   const json page = get(path + "?limit=1").json();
   EXPECT_EQ(page["items"].size(), 1U);
   EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);

@@ -6,9 +6,9 @@ import { addressOf } from '../../router';
 import { exerciseTitle } from '../../text/exercise';
 import { reasonText } from '../../text/server';
 import type { TextKey } from '../../text/en';
-import { dayText, fixed, t, toDegrees, withUnit } from '../../text/text';
+import { dayText, fixed, t, toDegrees, withUnit, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
-import { exercisesOf, pointsOf, runsOf, spanOf, type FigureKey, type TrendPoint } from './trend_model';
+import { changeOf, exercisesOf, pointsOf, runsOf, spanOf, type FigureKey, type TrendChange, type TrendPoint } from './trend_model';
 import './trend.css';
 
 interface Figure {
@@ -20,6 +20,8 @@ interface Figure {
 }
 const figures: readonly Figure[] = [
   { key: 'mean_speed_m_s', title: 'metric.speed', unit: 'm/s', factor: 1, decimals: 2 },
+  { key: 'walking_speed_m_s', title: 'metric.walkingSpeed', unit: 'm/s', factor: 1, decimals: 2 },
+  { key: 'cadence_steps_min', title: 'metric.cadence', unit: '/min', factor: 1, decimals: 0 },
   { key: 'walked_m', title: 'metric.distance', unit: 'm', factor: 1, decimals: 1 },
   { key: 'motion_s', title: 'metric.duration', unit: 'min', factor: 1 / 60, decimals: 1 },
   { key: 'C', title: 'metric.turning', unit: '', factor: 1, decimals: 2 },
@@ -70,6 +72,7 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
             </label>
           </div>
           <Plot points={points} figure={figure} />
+          <Change change={changeOf(asked.value?.changes ?? [], exercise, key)} points={points} figure={figure} />
           <Gaps points={points} />
         </>
       ) : null}
@@ -140,6 +143,36 @@ function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figur
         </text>
       ) : null}
     </svg>
+  );
+}
+
+/** Newest value against the first one: an arrow only beyond what this value varies by itself, else why there is none. */
+function Change({ change, points, figure }: { change: TrendChange | null; points: readonly TrendPoint[]; figure: Figure }) {
+  if (change === null) return null;
+  const text = (value: number) => withUnit(fixed(value * figure.factor, figure.decimals), figure.unit);
+  const dayOf = (session: number) => dayText(points.find(({ item }) => item.session === session)?.item.day);
+  const by = change.last - change.first;
+  return (
+    <div class="trend-change" role="status">
+      {change.reason_code === null ? (
+        <strong>
+          <span aria-hidden="true">{by > 0 ? '↑' : '↓'}</span>{' '}
+          {t(by > 0 ? 'trend.more' : 'trend.less', { by: text(Math.abs(by)), day: dayOf(change.first_session) })}
+        </strong>
+      ) : (
+        <span>
+          {t('trend.noChange')} {reasonText(change.reason_code)}
+        </span>
+      )}
+      {change.least === null ? null : (
+        <small>
+          {t('trend.least', { least: text(change.least) })}{' '}
+          {change.source === null || change.whom === null
+            ? t('trend.ownRepeats', { n: change.repeats })
+            : t('trend.published', { source: change.source, whom: words(change.whom) })}
+        </small>
+      )}
+    </div>
   );
 }
 

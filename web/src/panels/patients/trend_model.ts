@@ -12,6 +12,11 @@ export function exercisesOf(items: readonly TrendItem[]): Map<string, Exercise |
   return new Map(items.map(({ exercise }) => [exerciseKey(exercise), exercise]));
 }
 
+export type TrendChange = Trend['changes'][number];
+/** What is told of a figure's change over the walks of one exercise. */
+export const changeOf = (changes: readonly TrendChange[], exercise: string, figure: FigureKey): TrendChange | null =>
+  changes.find((one) => one.figure === figure && exerciseKey(one.exercise) === exercise) ?? null;
+
 export interface TrendPoint {
   item: TrendItem;
   /** Null: not valid for this session. */
