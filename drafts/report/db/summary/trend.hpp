@@ -1,0 +1,36 @@
+// A patient's figures over the sessions, and which of them have changed by more than they vary by themselves.
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "db/metrics/change.hpp"
+#include "db/store/trend.hpp"
+#include "db/summary/session_metrics.hpp"
+
+namespace hoist::db {
+
+/// One session of a trend with its figures; none: its recording is damaged.
+struct TrendEntry {
+  TrendSession session;
+  std::optional<SessionMetrics> metrics;
+};
+/// Nothing when the session was deleted meanwhile. Errors: busy, io.
+Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session);
+
+/// A figure of one exercise: walks of different exercises are never compared.
+struct FigureChange {
+  std::optional<std::string> exercise_json;
+  std::string_view figure;
+  Change change;
+};
+/// `entries`: newest first, as trend_sessions gives them. The exercise walked last comes first.
+[[nodiscard]] std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries);
+
+/// As REST tells it: an item of Trend, and of its changes.
+[[nodiscard]] nlohmann::json trend_item_json(const TrendEntry& entry);
+[[nodiscard]] nlohmann::json change_json(const FigureChange& change);
+
+}  // namespace hoist::db
