@@ -6,12 +6,12 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "control/contract/params.hpp"
 #include "control/contract/program_version.hpp"
 #include "control/contract/shared_memory.hpp"
 #include "db/store/exercise_json.hpp"
-#include "db/store/session_writer.hpp"
-#include "deploy/tools/hoist/study/virtual_run.hpp"
 
 namespace hoist::tool::study {
 
@@ -20,18 +20,27 @@ namespace {
 db::Status record(db::SessionWriter& writer, const Protocol& protocol, const VirtualRun& run) {
   /// Each study begins at the same moment, so that it gives the same file: 2026-01-05 08:00 UTC, a run every five minutes.
   constexpr std::int64_t kBegin_ns = 1'767'600'000'000'000'000, kBetween_ns = 300'000'000'000;
-  if (run.records.empty()) return {};
   db::SessionStart start;
   start.subject = (run.subject < 10 ? "S0" : "S") + std::to_string(run.subject);
   start.started_utc_ns = kBegin_ns + kBetween_ns * (run.subject * 100 + run.run);
+  start.note = "run " + std::to_string(run.run) + (run.unfinished.empty() ? "" : ", unfinished: " + run.unfinished);
+  start.exercise_json = db::exercise_json(contract::usual_exercise(protocol.find(run.run)->shape), db::ExerciseNames::stored).dump();
+  return record_run(writer, run, std::move(start));
+}
+
+}  // namespace
+
+db::Status record_run(db::SessionWriter& writer, const VirtualRun& run, db::SessionStart start) {
+  if (run.records.empty()) return {};
+  std::vector<double> parameters;
+  for (std::size_t i = 0; i < contract::kParamCount; ++i) parameters.push_back(contract::get_param(run.params, i));
+  start.parameter_values = parameters;
   start.start_time_ns = run.records.front().time_ns;
   start.core_start_time_ns = 1;
   start.simulated = true;
   start.layout_hash = contract::layout_hash();
   start.software_version = contract::program_version();
   start.core_version = start.software_version;
-  start.note = "run " + std::to_string(run.run) + (run.unfinished.empty() ? "" : ", unfinished: " + run.unfinished);
-  start.exercise_json = db::exercise_json(contract::usual_exercise(protocol.find(run.run)->shape), db::ExerciseNames::stored).dump();
   if (const auto begun = writer.begin(start); !begun) return begun.error();
   // More at once would wait in memory only.
   for (std::size_t first = 0; first < run.records.size(); first += 1000) {
@@ -40,8 +49,6 @@ db::Status record(db::SessionWriter& writer, const Protocol& protocol, const Vir
   }
   return writer.end(db::CloseReason::finished, start.started_utc_ns + static_cast<std::int64_t>(run.records.size()) * 10'000'000);
 }
-
-}  // namespace
 
 // One run is walked while the one before is stored: two threads.
 db::Status walk_all(db::Database& database, const Protocol& protocol, int subjects, std::uint64_t seed) {
