@@ -216,7 +216,7 @@ TEST(Twin, SessionsThatCannotBearOneAreRefusedWithTheReason) {
   const study::VirtualRun whole = led(person(1), 51);
   EXPECT_EQ(why(whole, eight_json), "none");
   EXPECT_NE(why(whole, "").find("No exercise was chosen"), std::string::npos);
-  EXPECT_NE(why(whole, R"({"shape":"eight","c_m":1.2,"radius_m":0.8})").find("usual sizes"), std::string::npos);
+  EXPECT_NE(why(whole, R"({"shape":"eight","centre_m":1.2,"radius_m":0.8})").find("usual sizes"), std::string::npos);
   study::VirtualRun driven = whole;
   for (contract::TickRecord& r : driven.records)
     if (r.mode == static_cast<std::uint8_t>(contract::Mode::user)) r.mode = static_cast<std::uint8_t>(contract::Mode::remote);
