@@ -482,6 +482,7 @@ bool App::start(std::string& error) {
       .started_ns = steady_ns()});
   if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));
   p.hub.set_services(*p.services, *p.auth);
+  p.state.set_on_task_end([&services = *p.services] { end_task(services); });
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
   p.core.add_listener(p.history);

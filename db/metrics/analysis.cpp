@@ -12,6 +12,8 @@ Analysis analyse(Walk walk) {
   out.bouts = bouts_of(out.walk);
   out.rhythm = rhythm_of(out.walk, out.bouts);
   out.turns = turns_of(out.walk);
+  out.task = task_result_of(out.walk, out.comparison);
+  out.lead = lead_of(out.walk, out.bouts);
   return out;
 }
 

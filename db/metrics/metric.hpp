@@ -16,22 +16,26 @@
 namespace hoist::db {
 
 /// Where screens and pages show a figure.
-enum class MetricGroup : std::uint8_t { path, dose, stride, smoothness, turning };
+enum class MetricGroup : std::uint8_t { task, path, dose, stride, smoothness, turning, control };
 struct MetricGroupInfo {
   std::string_view name, title_en, title_de;
 };
-inline constexpr std::array kMetricGroups{
-    MetricGroupInfo{"path", "Path", "Weg"}, MetricGroupInfo{"dose", "Amount", "Umfang"}, MetricGroupInfo{"stride", "Steps", "Schritte"},
-    MetricGroupInfo{"smoothness", "Smoothness", "Gleichmaß"}, MetricGroupInfo{"turning", "Turning", "Drehen"}};
+inline constexpr std::array kMetricGroups{MetricGroupInfo{"task", "Task", "Aufgabe"},
+                                          MetricGroupInfo{"path", "Path", "Weg"},
+                                          MetricGroupInfo{"dose", "Amount", "Umfang"},
+                                          MetricGroupInfo{"stride", "Steps", "Schritte"},
+                                          MetricGroupInfo{"smoothness", "Smoothness", "Gleichmaß"},
+                                          MetricGroupInfo{"turning", "Turning", "Drehen"},
+                                          MetricGroupInfo{"control", "Leading the hoist", "Führen des Geräts"}};
 
 struct MetricInfo {
   std::string_view key;  ///< its name in JSON; with the version it names one definition
   unsigned version;      ///< raised when the same recording gives another answer
   std::string_view unit;
-  bool nullable;  ///< some sessions have none
-  std::string_view
-      inputs;  ///< what it is computed from, a blank between: recorded columns, "gaps", "exercise". x_m, y_m and psi_rad stand for
-               ///< their fused_ twins where these are recorded; "mode" belongs to all, it says which steps count
+  bool nullable;            ///< some sessions have none
+  std::string_view inputs;  ///< what it is computed from, a blank between: recorded columns, "gaps", "exercise" (with its task),
+                            ///< "parameters" (those of WalkSettings). x_m, y_m and psi_rad stand for
+                            ///< their fused_ twins where these are recorded; "mode" belongs to all, it says which steps count
   std::string_view formula;
   std::string_view gate;  ///< what a session must have; the reasons when it has not: no_figure.def
   std::string_view source;
@@ -63,6 +67,16 @@ inline constexpr std::string_view kTurns =
     "turns: rate (heading over 0.5 s) beyond 1 deg/s of one sign, less than 0.3 s bridged, with a peak beyond 15 deg/s and more than 45 "
     "deg";
 
+inline constexpr std::string_view kTaskGate =
+    "a repetition of such a task, from its start mark to its end; one walk; at most 0.5 s missing";
+inline constexpr std::string_view kLedGate = "the patient led; settings not changed meanwhile";
+
+/// Of a task's result.
+inline Figure of_task(const Analysis& a, std::optional<double> TaskResult::*member) {
+  if (a.task.why != NoFigure::none) return no_figure(a.task.why);
+  const std::optional<double>& value = a.task.*member;
+  return value ? figure(*value) : no_figure(NoFigure::no_task);
+}
 /// Of the comparison with the exercise: a number that is there, or why it is not.
 inline Figure compared(const Analysis& a, const std::optional<double>& value) {
   if (a.comparison.why != NoFigure::none) return no_figure(a.comparison.why);

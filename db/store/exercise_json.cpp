@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "db/store/session_types.hpp"
+#include "db/store/tasks.hpp"
 
 namespace hoist::db {
 
@@ -37,7 +38,9 @@ class Reader {
     const contract::ExerciseInfo* info = value_.is_object() && shape != value_.end() && shape->is_string()
                                              ? contract::find_exercise(shape->get_ref<const std::string&>())
                                              : nullptr;
-    if (info == nullptr || (info->shape == ExerciseShape::free && names_ == ExerciseNames::stored)) {
+    // Free walking is stored only as what a task asks for.
+    const bool stored = names_ == ExerciseNames::stored;
+    if (info == nullptr || (info->shape == ExerciseShape::free && stored && !value_.contains("task"))) {
       problems_.push_back({"shape", "must be " + shapes_in_words(names_)});
       return std::nullopt;
     }
@@ -47,7 +50,11 @@ class Reader {
       if (row.shape == info->shape) contract::size_of(exercise, row.role) = size(row);
     if (info->turned) exercise.clockwise = clockwise();
     for (const auto& [name, member] : value_.items())
-      if (!known(name, *info)) problems_.push_back({name, "is not known here"});
+      if (name == "task" && stored) {
+        if (!read_task_record(member)) problems_.push_back({"task", "is not one"});
+      } else if (!known(name, *info)) {
+        problems_.push_back({name, "is not known here"});
+      }
     if (problems_.size() == before) check_share(exercise);
     return problems_.size() == before ? std::optional{exercise} : std::nullopt;
   }
@@ -133,6 +140,7 @@ json exercise_as_told(const std::optional<std::string>& stored) {
   if (!stored) return nullptr;
   json exercise = json::parse(*stored, nullptr, false);
   if (!exercise.is_object()) return nullptr;
+  exercise.erase("task");
   for (const ExerciseSize& row : contract::kExerciseSizes) {
     if (row.stored == row.name) continue;
     if (const auto at = exercise.find(row.stored); at != exercise.end()) {

@@ -26,11 +26,12 @@ struct ExerciseProblem {
 /// {"shape": "eight", "c_m": 1.0, "radius_m": 0.8} and, where it is walked so, "clockwise": true.
 [[nodiscard]] nlohmann::json exercise_json(const contract::Exercise& exercise, ExerciseNames names);
 
-/// Whether the text is an exercise as recordings store it, at most 1000 bytes; free walking is none. Otherwise bad_value, field exercise.
+/// Whether the text is an exercise as recordings store it, at most 1000 bytes, with the task it belongs to where there is one (tasks.hpp);
+/// free walking without a task is none. Otherwise bad_value, field exercise.
 [[nodiscard]] Status check_exercise(std::string_view stored);
 /// The line of a stored exercise; not valid() for a text that check_exercise refuses.
 [[nodiscard]] contract::ReferencePath figure_of_stored(std::string_view stored);
-/// A stored exercise with the names of REST; null for none, and for a text that is no JSON object.
+/// A stored exercise with the names of REST, without its task; null for none, and for a text that is no JSON object.
 [[nodiscard]] nlohmann::json exercise_as_told(const std::optional<std::string>& stored);
 
 }  // namespace hoist::db

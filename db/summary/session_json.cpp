@@ -5,6 +5,7 @@
 
 #include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/tasks.hpp"
 #include "db/summary/provenance.hpp"
 
 namespace hoist::db {
@@ -74,6 +75,7 @@ nlohmann::json session_json(const SessionInfo& session) {
           {"subject", or_null(session.subject)},
           {"note", session.note},
           {"exercise", exercise_as_told(session.exercise_json)},
+          {"task", task_as_told(session.exercise_json)},
           {"software_version", session.software_version},
           {"core_version", or_null(session.core_version)},
           {"layout_hash", layout_text(session.layout_hash)},

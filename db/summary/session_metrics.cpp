@@ -10,6 +10,7 @@
 #include "control/contract/faults.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/tasks.hpp"
 
 namespace hoist::db {
 namespace {
@@ -77,7 +78,7 @@ class OneWalk {
 struct Places {
   static constexpr std::size_t kNone = SIZE_MAX;
   std::vector<std::string> names;
-  std::size_t mode, x_m, y_m, psi_rad, dpsi_rad, dy_m, speed_m_s, standing_still, distance_m, start_mark;
+  std::size_t mode, x_m, y_m, psi_rad, dpsi_rad, dy_m, speed_m_s, standing_still, distance_m, start_mark, lean_norm, dx_m, version;
 
   Places(const std::vector<ColumnInfo>& recorded, bool fused) {
     const std::string of = fused ? "fused_" : "";
@@ -92,6 +93,9 @@ struct Places {
     // Older recordings have no number of the start mark; a new mark shows in the distance, which begins at zero with it.
     start_mark = has(recorded, "start_mark") ? add("start_mark") : kNone;
     dy_m = has(recorded, "dy_m") ? add("dy_m") : kNone;
+    lean_norm = has(recorded, "lean_norm") ? add("lean_norm") : kNone;
+    dx_m = has(recorded, "dx_m") ? add("dx_m") : kNone;
+    version = has(recorded, "parameter_version") ? add("parameter_version") : kNone;
   }
   static bool has(const std::vector<ColumnInfo>& recorded, std::string_view name) {
     return std::any_of(recorded.begin(), recorded.end(), [name](const ColumnInfo& column) { return column.name == name; });
@@ -109,6 +113,7 @@ class Joiner {
  public:
   Joiner(const Places& places, std::vector<Gap> gaps, RecordedWalk& out) : places_(places), missing_(std::move(gaps)), out_(out) {
     out_.walk.has_sway = places.dy_m != Places::kNone;
+    out_.walk.has_lean = places.lean_norm != Places::kNone && places.dx_m != Places::kNone;
     for (const std::string& name : places.names) out_.inputs[name] = contract::kHashStart;
   }
   void add(const Columns& columns) {
@@ -129,14 +134,17 @@ class Joiner {
       const double distance_m = at(places_.distance_m);
       if (walk.count() == 0) walk.from_mark = distance_m <= kAtMark_m;
       walk.several_walks = one_walk_.broken(mode, distance_m, at(places_.start_mark)) || walk.several_walks;
+      walk.settings_changed = (walk.count() > 0 && at(places_.version) != version_) || walk.settings_changed;
+      version_ = at(places_.version);
     }
     walk.add({columns.tick[i], static_cast<contract::Mode>(mode), at(places_.standing_still) != 0.0, at(places_.x_m), at(places_.y_m),
-              at(places_.psi_rad), at(places_.dpsi_rad), at(places_.dy_m), at(places_.speed_m_s)});
+              at(places_.psi_rad), at(places_.dpsi_rad), at(places_.dy_m), at(places_.speed_m_s), at(places_.lean_norm), at(places_.dx_m)});
   }
 
   const Places& places_;
   MissingSteps missing_;
   OneWalk one_walk_;
+  double version_ = 0;
   RecordedWalk& out_;
 };
 
@@ -147,6 +155,24 @@ const Figure& SessionMetrics::operator[](std::string_view key) const {
     if (kMetrics[i].key == key) return figures[i];
   std::abort();
 }
+
+namespace {
+// The parameters that figures refer to. Nothing where one is not recorded.
+std::optional<WalkSettings> settings_of(const std::vector<std::pair<std::string, double>>& parameters, InputHashes& inputs) {
+  WalkSettings settings;
+  std::uint64_t hash = contract::kHashStart;
+  for (const auto& [name, place] :
+       {std::pair{"lean_dead_band_norm", &settings.lean_dead_band_norm}, std::pair{"lean_range_rad", &settings.lean_range_rad},
+        std::pair{"strut_length_m", &settings.strut_length_m}}) {
+    const auto row = std::ranges::find(parameters, name, &std::pair<std::string, double>::first);
+    if (row == parameters.end()) return std::nullopt;
+    *place = row->second;
+    hash = contract::hash_number(contract::hash_bytes(hash, name), std::bit_cast<std::uint64_t>(row->second));
+  }
+  inputs["parameters"] = hash;
+  return settings;
+}
+}  // namespace
 
 Result<RecordedWalk> recorded_walk(Database& database, SessionId session) {
   // Read piece by piece, so that a long session is not refused; an hour is 10 pieces.
@@ -163,9 +189,12 @@ Result<RecordedWalk> recorded_walk(Database& database, SessionId session) {
   if (whole->from_s.empty()) return out;
   Result<std::vector<Gap>> gaps = reader.gaps(session);
   if (!gaps) return gaps.error();
+  const auto parameters = reader.parameters(session);
+  if (!parameters) return parameters.error();
   out.inputs["gaps"] = hash_of(*gaps);
   const Places places(*recorded, out.fused);
   Joiner joiner(places, std::move(*gaps), out);
+  out.walk.settings = settings_of(*parameters, out.inputs);
   const double end_s = whole->to_s.back();
   for (double from_s = whole->from_s.front(); from_s <= end_s; from_s += kPiece_s) {
     const Result<Columns> columns = reader.read_columns(session, places.names, {from_s, from_s + kPiece_s});
@@ -190,7 +219,8 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
       return Error{ErrorKind::corrupt, "session " + std::to_string(session) + ": its exercise is not one: " + checked.error().message, {}};
     out.shape = exercise_as_told(info->exercise_json)["shape"].get<std::string>();
     out.inputs["exercise"] = contract::hash_bytes(contract::kHashStart, *info->exercise_json);
-    recorded->walk.path = figure_of_stored(*info->exercise_json);
+    if (const contract::ReferencePath line = figure_of_stored(*info->exercise_json); line.valid()) recorded->walk.path = line;
+    if (const auto task = task_of_stored(info->exercise_json)) recorded->walk.task = WalkTask{task->ends, task->goal, task->edge_m};
   }
   const Analysis analysis = analyse(std::move(recorded->walk));
   out.figures = figures_of(analysis);

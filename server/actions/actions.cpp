@@ -478,11 +478,17 @@ std::uint32_t start_refusals(const Services& services, contract::Mode mode) {
   return bits;
 }
 
+// What a motion begins with.
+struct Begin {
+  Exercise exercise;
+  json told;  // as it was asked for
+  std::optional<db::TaskRecord> task = {};
+};
 // Asks for a motion. What it begins with goes into the recording, and to every screen when it has begun.
-void begin_motion(Services& services, const Command& request, const Exercise& exercise, json told, OutcomeDone done) {
-  services.recorder.set_exercise(stored_exercise(exercise));
-  ask(services, request, [&services, told = std::move(told), done = std::move(done)](const Outcome& outcome) {
-    if (outcome.done()) services.state.motion_begins(told);
+void begin_motion(Services& services, const Command& request, Begin begin, OutcomeDone done) {
+  services.recorder.set_exercise(stored_exercise(begin.exercise, begin.task));
+  ask(services, request, [&services, begin = std::move(begin), done = std::move(done)](const Outcome& outcome) {
+    if (outcome.done()) services.state.motion_begins(begin.told, begin.task);
     done(outcome);
   });
 }
@@ -556,7 +562,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   }
   if (*mode == contract::Mode::remote && wish.exercise.is_null()) {
     // The hoist is only moved: the exercise stays where it lies on the floor.
-    begin_motion(services, request, *exercise, exercise_json(*exercise), std::move(done));
+    begin_motion(services, request, {*exercise, exercise_json(*exercise)}, std::move(done));
     return;
   }
   // The pose first: the exercise's figure and the odometry must share their origin before the first step. The core keeps the pose when this
@@ -569,7 +575,9 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   set_pose.v1 = pose.y_m;
   set_pose.v2 = pose.psi_rad;
   set_pose.a = exercise_key(*mode, *exercise, laps);
-  set_pose.b = wish.start_again == true || services.start_anew ? contract::kStartAgain : 0;
+  const TaskRun& task_run = services.state.walk().task();
+  const bool next_repetition = task_run.over() && task_run.next(*exercise, *mode);
+  set_pose.b = wish.start_again == true || services.start_anew || next_repetition ? contract::kStartAgain : 0;
   services.core.ask(set_pose, [&services, request, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
                                ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
     if (!answer.done()) {
@@ -593,7 +601,9 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
       return;
     }
     services.start_anew = false;
-    begin_motion(services, request, exercise, std::move(told), std::move(done));
+    // The step that set the start mark is known by now: it decides which repetition begins.
+    const auto task = services.state.walk().task().next(exercise, static_cast<contract::Mode>(request.a));
+    begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
   });
 }
 
@@ -619,6 +629,38 @@ void act_choose(Services& services, const Asker& asker, const json& exercise, Ou
   }
   services.state.choose(*chosen);
   done({});
+}
+
+void act_choose_task(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  const auto name = wish.is_object() ? wish.find("task") : wish.end();
+  const bool none = wish.is_object() && name != wish.end() && name->is_null();
+  const std::string target = wish.is_object() && name != wish.end() && name->is_string() ? name->get<std::string>() : "";
+  if (!begin_action(services, asker, Action::choose_task, {target}, done)) return;
+  std::vector<db::ExerciseProblem> problems;
+  const auto choice = none ? std::nullopt : db::read_task_choice(wish, problems);
+  if (!none && !choice) {
+    std::vector<FieldError> errors;
+    for (db::ExerciseProblem& p : problems) errors.push_back({p.field, std::move(p.message), p.value, p.min, p.max});
+    done(invalid(std::move(errors), "The task cannot be done so.", Reason::exercise));
+    return;
+  }
+  const auto& newest = services.core.newest();
+  if (newest && newest->mode < contract::kModes.size() && contract::kModes[newest->mode].moving) {
+    done(outcome_of({.kind = CoreAnswer::Kind::refused, .bits = contract::refusal_bit(contract::Refusal::not_standby)}));
+    return;
+  }
+  if (choice)
+    services.state.choose(*choice);
+  else
+    services.state.choose(services.state.walk().chosen());
+  done({});
+}
+
+void end_task(Services& services) {
+  ++services.ends_asked;
+  Command request = command_of(CommandKind::request_mode, {});
+  request.a = static_cast<std::uint32_t>(contract::Mode::standby);
+  ask(services, request, [](const Outcome&) {});
 }
 
 void act_pose(Services& services, const Asker& asker, const StartPose& pose, OutcomeDone done) {

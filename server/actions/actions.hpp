@@ -37,6 +37,10 @@ struct ModeWish {
 void act_mode(Services& services, const Asker& asker, const ModeWish& wish, OutcomeDone done);
 // The exercise of the next walk, for all screens; refused while the hoist moves or a motion is under way.
 void act_choose(Services& services, const Asker& asker, const nlohmann::json& exercise, OutcomeDone done);
+// The task of the next walks (db/tasks), which is also their exercise, for all screens; {"task": null} for none. Refused as act_choose.
+void act_choose_task(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
+// The end of the chosen task is reached: its motion ends as if a person had ended it.
+void end_task(Services& services);
 // A driving command as a protocol read it; a missing value: the message had none.
 struct DriveWish {
   std::optional<std::uint64_t> sequence, echo_time_ns;

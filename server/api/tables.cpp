@@ -5,6 +5,7 @@
 #include "control/contract/exercises.hpp"
 #include "control/contract/faults.hpp"
 #include "control/contract/signals.hpp"
+#include "db/store/tasks.hpp"
 #include "server/api/handlers.hpp"
 
 namespace hoist::server::api {
@@ -70,6 +71,12 @@ void list_exercises(const CallPtr& call) {
                      {"closed", row.closed},
                      {"sizes", std::move(sizes)}});
   }
+  call->respond(json{{"items", std::move(items)}});
+}
+
+void list_tasks(const CallPtr& call) {
+  json items = json::array();
+  for (const db::TaskInfo& task : db::tasks()) items.push_back(json::parse(task.text));
   call->respond(json{{"items", std::move(items)}});
 }
 

@@ -7,6 +7,7 @@
 namespace hoist::server::api {
 
 void get_walk(const CallPtr& call) { call->respond(call->services.state.walk().told()); }
+void choose_task(const CallPtr& call) { act_choose_task(call->services, asker_of(*call), *call->body, answer_done(call)); }
 void choose_exercise(const CallPtr& call) { act_choose(call->services, asker_of(*call), *call->body, answer_done(call)); }
 
 }  // namespace hoist::server::api

@@ -81,7 +81,8 @@ std::optional<contract::GuidedPath> read_guided(const json& value, const contrac
 
 json exercise_json(const Exercise& exercise) { return db::exercise_json(exercise, db::ExerciseNames::told); }
 
-std::optional<std::string> stored_exercise(const Exercise& e) {
+std::optional<std::string> stored_exercise(const Exercise& e, const std::optional<db::TaskRecord>& task) {
+  if (task) return db::stored_with_task(e, *task);
   if (e.shape == Exercise::Shape::free) return std::nullopt;
   return db::exercise_json(e, db::ExerciseNames::stored).dump();
 }

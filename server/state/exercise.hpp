@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control/contract/guided_path.hpp"
+#include "db/store/tasks.hpp"
 #include "server/text/field_error.hpp"
 
 namespace hoist::server {
@@ -25,8 +26,8 @@ struct StartPose {
 [[nodiscard]] std::optional<contract::GuidedPath> read_guided(const nlohmann::json& value, const contract::GuidedLimits& limits,
                                                               std::vector<FieldError>& errors);
 [[nodiscard]] nlohmann::json exercise_json(const Exercise& exercise);
-// As the database stores it, and db::exercise_as_told() tells it; nothing for free walking.
-[[nodiscard]] std::optional<std::string> stored_exercise(const Exercise& exercise);
+// As the database stores it, and db::exercise_as_told() tells it, with the task that it belongs to; nothing for free walking without one.
+[[nodiscard]] std::optional<std::string> stored_exercise(const Exercise& exercise, const std::optional<db::TaskRecord>& task = {});
 [[nodiscard]] StartPose start_pose(const Exercise& exercise);
 // What a simulator scenario plays: "figure-eight", "square", "straight" …; free for anything else.
 [[nodiscard]] Exercise exercise_of_scenario(std::string_view scenario);

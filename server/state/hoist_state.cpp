@@ -20,8 +20,13 @@ void HoistState::choose(const Exercise& exercise) {
   tell_walk();
 }
 
-void HoistState::motion_begins(nlohmann::json told) {
-  walk_.begin(std::move(told));
+void HoistState::choose(const db::TaskChoice& task) {
+  walk_.choose(task);
+  tell_walk();
+}
+
+void HoistState::motion_begins(nlohmann::json told, const std::optional<db::TaskRecord>& task) {
+  walk_.begin(std::move(told), task);
   tell_walk();
 }
 
@@ -48,9 +53,14 @@ void HoistState::on_core(bool) { meet_core(); }
 
 void HoistState::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
   meet_core();
-  bool marked = false;
-  for (const contract::TickRecord& record : records) marked = walk_.take(record) || marked;
-  if (marked) tell_walk();
+  bool told = false, reached = false;
+  for (const contract::TickRecord& record : records) {
+    const Walk::Change change = walk_.take(record);
+    told = told || change.marked || change.task.told;
+    reached = reached || change.task.reached;
+  }
+  if (told) tell_walk();
+  if (reached && on_task_end_) on_task_end_();
   if (!patient_ || records.empty()) return;
   const contract::TickRecord& newest = records.back();
   const bool moves = newest.mode < contract::kModes.size() && contract::kModes[newest.mode].moving;

@@ -37,6 +37,9 @@ class HoistState final : public CoreListener {
   // Called whenever walk() is another in more than its last point.
   void set_on_walk(std::function<void()> on_walk) { on_walk_ = std::move(on_walk); }
 
+  // Called when the end of the chosen task is reached while patient or therapist lead: the motion is to be ended.
+  void set_on_task_end(std::function<void()> on_task_end) { on_task_end_ = std::move(on_task_end); }
+
   // Called whenever patient() is another.
   void set_on_patient(std::function<void()> on_patient) { on_patient_ = std::move(on_patient); }
 
@@ -50,7 +53,8 @@ class HoistState final : public CoreListener {
   [[nodiscard]] const LeaseAsks& asks() const { return asks_; }
   [[nodiscard]] const Walk& walk() const { return walk_; }
   void choose(const Exercise& exercise);
-  void motion_begins(nlohmann::json told);
+  void choose(const db::TaskChoice& task);
+  void motion_begins(nlohmann::json told, const std::optional<db::TaskRecord>& task);
   // Nothing: no patient is chosen.
   [[nodiscard]] const std::optional<ChosenPatient>& patient() const { return patient_; }
   void choose_patient(std::optional<ChosenPatient> patient);
@@ -72,6 +76,7 @@ class HoistState final : public CoreListener {
   Recorder& recorder_;
   std::function<void()> on_walk_;
   std::function<void()> on_patient_;
+  std::function<void()> on_task_end_;
   std::optional<ChosenPatient> patient_;
   db::DeviceSettings device_;
   std::uint64_t patient_rests_ns_ = 0;  // the core's time since which nothing has moved; 0 = not known yet

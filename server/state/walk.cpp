@@ -43,14 +43,14 @@ void PathTrace::add(double x_m, double y_m) {
   step_m_ *= 2;
 }
 
-bool Walk::take(const TickRecord& record) {
+Walk::Change Walk::take(const TickRecord& record) {
   // The core counts its marks. Of a mark set before this server came, the place is known only while nothing has moved since.
   const bool marks = last_ ? record.start_mark != last_->start_mark : record.distance_m == 0;
   if (last_ && moves(*last_) && moves(record)) motion_ns_ += record.time_ns - last_->time_ns;
   last_ = record;
   if (marks) mark_start();
   path_.add(static_cast<double>(record.fused_x_m), static_cast<double>(record.fused_y_m));
-  return marks;
+  return {marks, task_.take(record)};
 }
 
 void Walk::mark_start() {
@@ -69,11 +69,13 @@ void Walk::forget() {
   mark_.reset();
   motion_ns_ = 0;
   path_.clear();
+  task_.forget();
 }
 
 json Walk::told() const {
   json out{{"exercise", exercise_json(chosen_)},
            {"begun", begun_},
+           {"task", task_.told()},
            {"tick", last_ ? json(last_->tick) : json(nullptr)},
            {"motion_s", mark_ ? json(static_cast<double>(motion_ns_) * 1e-9) : json(nullptr)},
            {"mark", nullptr},

@@ -8,6 +8,7 @@
 
 #include "control/contract/signals.hpp"
 #include "server/state/exercise.hpp"
+#include "server/state/task_run.hpp"
 
 namespace hoist::server {
 
@@ -33,13 +34,32 @@ class Walk {
  public:
   explicit Walk(Exercise chosen) : chosen_(chosen) {}
 
-  // Every step of the core, in order. True: a new start mark; path and time start there.
-  bool take(const contract::TickRecord& record);
+  // What a step has changed: a new start mark, where path and time start; the task.
+  struct Change {
+    bool marked = false;
+    TaskRun::Change task = {};
+  };
+  // Every step of the core, in order.
+  Change take(const contract::TickRecord& record);
   // Another core: only the chosen exercise is left.
   void forget();
-  void choose(const Exercise& exercise) { chosen_ = exercise; }
-  // A motion has begun with this exercise; `told` as in the request, for GUIDED with speed and laps.
-  void begin(nlohmann::json told) { begun_ = std::move(told); }
+  // Another exercise ends the task, where one is chosen.
+  void choose(const Exercise& exercise) {
+    chosen_ = exercise;
+    task_.choose(std::nullopt);
+  }
+  // The task and its line.
+  void choose(const db::TaskChoice& choice) {
+    chosen_ = choice.exercise;
+    task_.choose(choice);
+  }
+  [[nodiscard]] const Exercise& chosen() const { return chosen_; }
+  [[nodiscard]] const TaskRun& task() const { return task_; }
+  // A motion has begun with this exercise; `told` as in the request, for GUIDED with speed and laps. `task`: as it is recorded, too.
+  void begin(nlohmann::json told, const std::optional<db::TaskRecord>& task) {
+    begun_ = std::move(told);
+    task_.begin(task);
+  }
 
   // The message `walk` without its type, the same for GET /api/v1/walk.
   [[nodiscard]] nlohmann::json told() const;
@@ -56,6 +76,7 @@ class Walk {
   std::optional<Mark> mark_;  // nothing: set before this server came
   std::uint64_t motion_ns_ = 0;
   PathTrace path_;
+  TaskRun task_;
 };
 
 }  // namespace hoist::server

@@ -592,9 +592,11 @@ const cases = {
     await toStandby();
     const before = await newestId();
     await page.goto(`${stack.origin}/#/exercises`);
+    await page.getByLabel('Task').selectOption('straight');
+    await page.getByRole('radio', { name: 'Hoist leads' }).click();
     const less = page.getByRole('button', { name: 'Length: less' });
     while (await less.isEnabled()) await less.click();
-    await startMotion('exercises', 'Start the exercise', 'Exercise');
+    await startMotion('exercises', 'Start the task', 'Exercise');
     const begun = await stack.truth();
     const gone_m = async () => Math.hypot((await stack.truth()).x_m - begun.x_m, (await stack.truth()).y_m - begun.y_m);
     await sleep(400);
@@ -625,6 +627,7 @@ const cases = {
     const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
     assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
     assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
+    assert(session.task?.task === 'straight' && session.task.repetition === 1, 'the session does not know its task');
   },
 
   async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {

@@ -2,7 +2,7 @@
 // answers commands. It implements the protocol, not the hoist.
 //
 //   node test-support/fake_server.mjs [--port 8099] [--dist dist]
-import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
+import { createReadStream, existsSync, readdirSync, readFileSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -16,6 +16,10 @@ export const signals = [...signalText.matchAll(/id: \d+, name: '(\w+)', type: '(
   ([, name, type, unit, offset]) => ({ name, type, unit, offset: Number(offset) }),
 );
 export const layoutHash = /layoutHash = '(\w+)'/.exec(table('messages'))[1];
+const taskFolder = join(here, '../db/tasks');
+const tasks = readdirSync(taskFolder)
+  .sort()
+  .map((file) => JSON.parse(readFileSync(join(taskFolder, file), 'utf8')));
 // Every figure has a number but those of the steps' spread.
 const metricKeys = [...table('metrics').matchAll(/key: '(\w+)'/g)].map(([, key]) => key);
 const withoutFigure = ['stride_time_cv_norm', 'step_asymmetry_norm'];
@@ -150,6 +154,7 @@ export function startFakeServer({
     trial: null,
     standing: [],
     chosen: exercise,
+    task: null,
     begun: null,
     session: null,
     patient: null,
@@ -168,6 +173,7 @@ export function startFakeServer({
     simulated: true,
     recording: false,
     exercise: id === 1 ? { shape: 'square', side_m: 3.2 } : exercise,
+    task: id === 3 ? { task: 'eight', version: 1, ends: 'distance', goal: 1, edge_m: 0, repetition: 2, repetitions: 3, rest_s: 60 } : null,
     note: id === 3 ? 'Calmer with a larger standing zone' : '',
     samples: 6000,
     gaps: 0,
@@ -352,6 +358,7 @@ export function startFakeServer({
         type: 'walk',
         exercise: hoist.chosen,
         begun: hoist.begun,
+        task: hoist.task,
         tick: hoist.tick,
         motion_s: 0,
         mark: { x_m: hoist.x, y_m: hoist.y, psi_rad: hoist.psi },
@@ -580,7 +587,9 @@ export function startFakeServer({
     },
     mode(message, id) {
       if (message.mode === 'standby') {
+        if (hoist.task) Object.assign(hoist.task, { reached: true, ended_tick: hoist.tick });
         setMode('standby');
+        tellWalk();
         return { ok: true };
       }
       if (lease.holder !== id) return refuse('no_lease');
@@ -594,6 +603,7 @@ export function startFakeServer({
       Object.assign(hoist, { x: square, y: square, psi: heading0(), distance: 0 });
       event('pose_set');
       hoist.begun = hoist.exercise;
+      if (hoist.task) Object.assign(hoist.task, { repetition: hoist.task.repetition + 1, begun_tick: hoist.tick, reached: false, ended_tick: null });
       tellWalk();
       setMode(message.mode);
       return { ok: true };
@@ -606,6 +616,7 @@ export function startFakeServer({
     },
     choose(message) {
       hoist.chosen = message.exercise;
+      hoist.task = null;
       tellWalk();
       return { ok: true };
     },
@@ -689,7 +700,35 @@ export function startFakeServer({
     if (name === 'speed_command_m_s') return 0.42 * Math.min(1, 12 * s) + 0.015 * Math.sin(80 * s);
     return 0.3 * Math.sin(20 * s + name.length);
   };
+  const chooseTask = ({ task: name, sizes = {}, clockwise, goal, repetitions, rest_s }) => {
+    const task = tasks.find((row) => row.name === name);
+    hoist.task = null;
+    if (task !== undefined) {
+      const usual = Object.fromEntries(Object.entries(task.sizes).map(([size, range]) => [size, range.usual]));
+      hoist.chosen = { shape: task.line ?? 'free', ...usual, ...sizes, ...(clockwise ? { clockwise } : {}) };
+      if (task.line === 'eight') hoist.chosen.radius_m = 0.8 * hoist.chosen.c_m;
+      if (hoist.chosen.corner_radius_m === 0) delete hoist.chosen.corner_radius_m;
+      hoist.task = {
+        task: name,
+        version: 1,
+        ends: task.ends.by,
+        goal: goal ?? task.ends.goal.usual,
+        repetitions: repetitions ?? task.repetitions.usual,
+        rest_s: rest_s ?? task.rest_s.usual,
+        repetition: 0,
+        begun_tick: null,
+        reached: false,
+        ended_tick: null,
+      };
+    }
+    tellWalk();
+  };
   const api = (request, url, body, send) => {
+    if (url.pathname === '/api/v1/tasks') return send(200, { items: tasks });
+    if (url.pathname === '/api/v1/task' && request.method === 'PUT') {
+      chooseTask(JSON.parse(body));
+      return send(200, { ok: true });
+    }
     const path = url.pathname.replace('/api/v1', '');
     const given = body === '' ? {} : JSON.parse(body);
     const enter = (one, right) => {

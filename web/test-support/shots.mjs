@@ -58,14 +58,20 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await page.mouse.up();
     await page.goto(`${fake.url}#/exercises`);
     await page.waitForTimeout(300);
-    await shot('exercises-straight');
-    await page.locator('.shapes button').nth(1).click();
-    await page.waitForTimeout(300);
-    await shot('exercises-square');
-    await page.locator('.shapes button').nth(3).click();
-    await page.waitForTimeout(300);
-    await shot('exercises-eight');
-    await page.locator('.shapes button').nth(2).click();
+    await shot('exercises-10m');
+    for (const [task, lead] of [
+      ['up_and_go', 0],
+      ['turn_360', 1],
+      ['slalom', 0],
+      ['walk_6min', 2],
+      ['square', 2],
+      ['circle', 2],
+    ]) {
+      await page.selectOption('.task-field select', task);
+      await page.locator('.task-controls .choice button').nth(lead).click();
+      await page.waitForTimeout(300);
+      await shot(`exercises-${task}`);
+    }
     await page.click('.walk-controls .primary');
     await page.waitForTimeout(500);
     await shot('exercises-begun');
@@ -77,6 +83,8 @@ for (const [size, [width, height]] of Object.entries(sizes)) {
     await shot('exercises-held');
     await page.mouse.up();
     await page.click('.walk-controls .big');
+    await page.waitForTimeout(400);
+    await shot('exercises-rest');
     await page.waitForTimeout(800);
     await page.goto(`${fake.url}#/calibrate`);
     await page.waitForTimeout(600);

@@ -1,27 +1,41 @@
-// Computed by the exercises' screen: the figure as points, its floor space, the request to the hoist.
+// Computed by the screen of tasks: the line as points, its floor space, the requests to the hoist.
+import { readdirSync, readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { curveSpeed_m_s, duration_s, exerciseOf, firstPlan, length_m, pathOf, shapes, stepped, steps, withinCap } from '../src/panels/exercises/plan';
+import {
+  adjustable,
+  curveSpeed_m_s,
+  duration_s,
+  exerciseOf,
+  isChosen,
+  laps,
+  length_m,
+  pathOf,
+  planOf,
+  requestOf,
+  speeds,
+  stepped,
+  withinCap,
+  type Plan,
+} from '../src/panels/exercises/plan';
 import { exercises, usualExercise } from '../src/contract/exercises.gen';
 import { modes } from '../src/contract/faults.gen';
+import type { Task, TaskState } from '../src/contract/rest.gen';
 import { moving } from '../src/link/store';
 import { floorSpace, patternPoints } from '../src/ui/geometry';
 import { tooSlow } from '../src/link/readiness';
+import { phaseOf } from '../src/ui/task_strip';
 
-/** Of both ends of the buttons: the sizes of the request by name. */
-const requested = (shape: (typeof shapes)[number], end: 'least' | 'most'): Readonly<Record<string, unknown>> => ({
-  ...pathOf({
-    ...firstPlan,
-    shape,
-    length_m: steps.length_m[end],
-    side_m: steps.side_m[end],
-    radius_m: steps.radius_m[end],
-    eight_m: steps.eight_m[end],
-  }),
+const folder = new URL('../../db/tasks/', import.meta.url);
+const tasks = readdirSync(folder).map((file) => JSON.parse(readFileSync(new URL(file, folder), 'utf8')) as Task);
+const plan = (name: string, part: Partial<Plan> = {}): Plan => ({ ...planOf(tasks.find((task) => task.name === name)!), ...part });
+const at = (task: Task, end: 'least' | 'most'): Plan => ({
+  ...planOf(task),
+  sizes: Object.fromEntries(Object.entries(task.sizes).map(([name, range]) => [name, range[end]])),
 });
 
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 
-describe('figures', () => {
+describe('lines', () => {
   it('are drawn as long as the hoist walks them', () => {
     for (const { shape, usual_length_m } of exercises) {
       const points = patternPoints(usualExercise[shape]);
@@ -30,34 +44,39 @@ describe('figures', () => {
       expect(Math.abs(drawn - usual_length_m), shape).toBeLessThanOrEqual(0.001 * usual_length_m);
     }
   });
-  it('offers no size that the hoist does not drive', () => {
-    for (const { shape, sizes } of exercises) {
-      if (shape === 'free') continue;
-      for (const { name, required, driven_least_m, driven_most_m } of sizes) {
-        if (!required) continue;
-        expect(requested(shape, 'least')[name], `${shape}.${name}`).toBeGreaterThanOrEqual(driven_least_m);
-        expect(requested(shape, 'most')[name], `${shape}.${name}`).toBeLessThanOrEqual(driven_most_m);
+  it('have no size that the hoist does not drive', () => {
+    for (const task of tasks.filter(({ leads }) => leads.includes('guided')))
+      for (const end of ['least', 'most'] as const) {
+        const asked: Readonly<Record<string, unknown>> = { ...exerciseOf(at(task, end)) };
+        for (const { name, required, driven_least_m, driven_most_m } of exercises.find(({ shape }) => shape === task.line)!.sizes) {
+          if (!required && !(name in asked)) continue;
+          expect(asked[name], `${task.name}.${name}`).toBeGreaterThanOrEqual(driven_least_m);
+          expect(asked[name], `${task.name}.${name}`).toBeLessThanOrEqual(driven_most_m);
+        }
       }
-    }
   });
-  it('close, except the straight, and keep their length when mirrored', () => {
-    for (const shape of shapes) {
-      const left = patternPoints(exerciseOf({ ...firstPlan, shape }));
-      const right = patternPoints(exerciseOf({ ...firstPlan, shape, clockwise: true }));
+  it('close, where the table says so, and keep their length when mirrored', () => {
+    for (const { shape, closed, turned } of exercises.filter((row) => row.shape !== 'free')) {
+      const left = patternPoints(usualExercise[shape]);
+      const right = patternPoints({ ...usualExercise[shape], ...(turned ? { clockwise: true } : {}) });
       const [first, last] = [left[0]!, left.at(-1)!];
-      if (shape === 'straight') expect(Math.hypot(last.x - first.x, last.y - first.y)).toBeCloseTo(firstPlan.length_m);
-      else expect(Math.hypot(last.x - first.x, last.y - first.y)).toBeLessThan(1e-9);
+      const apart = { straight: 10, hairpin: 2 * 0.5, slalom: Math.hypot(5, 1 / Math.sqrt(3)) * 2 };
+      expect(Math.hypot(last.x - first.x, last.y - first.y), shape).toBeCloseTo(closed ? 0 : apart[shape as keyof typeof apart], 9);
       left.forEach((point, i) => {
         expect(right[i]!.x).toBeCloseTo(point.x);
-        if (shape !== 'straight') expect(right[i]!.y).toBeCloseTo(-point.y);
+        if (turned) expect(right[i]!.y).toBeCloseTo(-point.y);
       });
     }
   });
   it('have the length of the geometry', () => {
-    expect(length_m({ ...firstPlan, shape: 'square', laps: 2 })).toBeCloseTo(2 * 4 * firstPlan.side_m);
-    expect(length_m({ ...firstPlan, shape: 'circle' })).toBeCloseTo(2 * Math.PI * firstPlan.radius_m, 1);
-    const rounded = length_m({ ...firstPlan, shape: 'square', round: true });
-    expect(rounded).toBeCloseTo(4 * firstPlan.side_m - (8 - 2 * Math.PI) * 0.5, 1);
+    expect(length_m(plan('square', { goal: 2 }))).toBeCloseTo(2 * 4 * 3.2);
+    expect(length_m(plan('circle'))).toBeCloseTo(2 * Math.PI * 1.5, 1);
+    expect(length_m(plan('square', { sizes: { side_m: 3.2, corner_radius_m: 0.5 } }))).toBeCloseTo(4 * 3.2 - (8 - 2 * Math.PI) * 0.5, 1);
+    expect(length_m(plan('up_and_go'))).toBeCloseTo(6 + Math.PI / 2, 2);
+  });
+  it('keep the proportion that a task does not adjust', () => {
+    expect(exerciseOf(plan('eight', { sizes: { c_m: 2 } }))).toEqual({ shape: 'eight', c_m: 2, radius_m: 1.6 });
+    expect(exerciseOf(plan('turn_360'))).toEqual({ shape: 'free' });
   });
 });
 
@@ -65,32 +84,80 @@ describe('the floor', () => {
   it('holds the figure with the hoist on it, in half metres', () => {
     expect(floorSpace({ shape: 'straight', length_m: 10 })).toEqual({ along_m: 11.5, across_m: 1.5 });
     expect(floorSpace({ shape: 'square', side_m: 3 })).toEqual({ along_m: 4.5, across_m: 4.5 });
-    const eight = floorSpace({ shape: 'eight', c_m: 1, radius_m: 0.8 });
-    expect(eight.along_m).toBeGreaterThanOrEqual(2 * 1.8 + 1.4);
-    expect(eight.across_m).toBeGreaterThanOrEqual(1.6 + 1.4);
+    expect(floorSpace({ shape: 'slalom', spacing_m: 2 })).toEqual({ along_m: 11.5, across_m: 3 });
   });
 });
 
 describe('the wish', () => {
   it('says no more than its shape has', () => {
-    expect(pathOf(firstPlan)).toEqual({ shape: 'straight', length_m: 10, speed_m_s: 0.3 });
-    expect(pathOf({ ...firstPlan, shape: 'square' })).not.toHaveProperty('corner_radius_m');
-    expect(pathOf({ ...firstPlan, shape: 'square', round: true })).toHaveProperty('corner_radius_m', 0.5);
+    expect(pathOf(plan('straight'))).toEqual({ shape: 'straight', length_m: 10, speed_m_s: 0.3 });
+    expect(pathOf(plan('square'))).not.toHaveProperty('corner_radius_m');
+    expect(pathOf(plan('square', { clockwise: true }))).toHaveProperty('clockwise', true);
+    expect(requestOf(plan('turn_180'))).toEqual({ task: 'turn_180', goal: Math.PI, repetitions: 4, rest_s: 30 });
+  });
+  it('goes round often enough for a walk of its time', () => {
+    const round = length_m(plan('walk_2min', { goal: 30, speed_m_s: 0.3 })) / laps(plan('walk_2min', { goal: 30, speed_m_s: 0.3 }));
+    expect(laps(plan('walk_2min', { goal: 30, speed_m_s: 0.3 })) * round).toBeGreaterThanOrEqual(9);
+    expect(laps(plan('walk_6min', { goal: 360, speed_m_s: 0.6 })) * round).toBeGreaterThanOrEqual(216);
   });
   it('steps on a grid and stops at its ends', () => {
-    expect(stepped(steps.speed_m_s, 0.3, 1)).toBe(0.35);
-    expect(stepped(steps.speed_m_s, 0.1, -1)).toBe(0.1);
-    expect(stepped(steps.laps, 20, 1)).toBe(20);
+    expect(stepped(speeds, 0.3, 1)).toBe(0.35);
+    expect(stepped(speeds, 0.1, -1)).toBe(0.1);
+    const goal = plan('eight').task.ends.goal;
+    expect(stepped(goal, 20, 1)).toBe(20);
+    expect(adjustable(goal)).toBe(true);
+    expect(adjustable(plan('turn_180').task.ends.goal)).toBe(false);
+  });
+  it('keeps who leads where the next task allows it', () => {
+    const next = (lead: Plan['lead']) => planOf(plan('turn_180').task, { lead, speed_m_s: 0.2 }).lead;
+    expect([next('remote'), next('guided')]).toEqual(['remote', 'user']);
   });
   it('asks for no more speed than the patient may have', () => {
-    expect(pathOf(withinCap({ ...firstPlan, speed_m_s: 0.5 }, 0.2275)).speed_m_s).toBe(0.2275);
-    expect(withinCap(firstPlan, 0.65)).toEqual(firstPlan);
+    expect(pathOf(withinCap(plan('straight', { speed_m_s: 0.5 }), 0.2275)).speed_m_s).toBe(0.2275);
+    expect(withinCap(plan('straight'), 0.65)).toEqual(plan('straight'));
   });
   it('tells when a curve is slower than chosen', () => {
-    expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 0.4, speed_m_s: 0.6 }, yawLimit_rad_s)).toBeCloseTo(0.8 * yawLimit_rad_s * 0.4);
-    expect(curveSpeed_m_s({ ...firstPlan, shape: 'circle', radius_m: 3 }, yawLimit_rad_s)).toBeNull();
-    expect(curveSpeed_m_s(firstPlan, yawLimit_rad_s)).toBeNull();
-    expect(duration_s({ ...firstPlan, shape: 'straight' }, yawLimit_rad_s)).toBeCloseTo(10 / 0.3 + 2);
+    expect(curveSpeed_m_s(plan('circle', { sizes: { radius_m: 0.5 }, speed_m_s: 0.6 }), yawLimit_rad_s)).toBeCloseTo(0.8 * yawLimit_rad_s * 0.5);
+    expect(curveSpeed_m_s(plan('circle', { sizes: { radius_m: 3 } }), yawLimit_rad_s)).toBeNull();
+    expect(curveSpeed_m_s(plan('straight'), yawLimit_rad_s)).toBeNull();
+    expect(duration_s(plan('straight'), yawLimit_rad_s)).toBeCloseTo(10 / 0.3 + 2);
+    expect(duration_s(plan('walk_6min'), yawLimit_rad_s)).toBe(360);
+  });
+});
+
+const state: TaskState = {
+  task: 'straight',
+  version: 1,
+  ends: 'distance',
+  goal: 1,
+  repetitions: 3,
+  rest_s: 60,
+  repetition: 0,
+  begun_tick: null,
+  reached: false,
+  ended_tick: null,
+};
+
+describe('a chosen task', () => {
+  it('is not chosen again by a start on it', () => {
+    const straight = plan('straight');
+    expect(isChosen(straight, state, { shape: 'straight', length_m: 10 })).toBe(true);
+    expect(isChosen(straight, null, { shape: 'straight', length_m: 10 })).toBe(false);
+    expect(isChosen(straight, state, { shape: 'straight', length_m: 9 })).toBe(false);
+    expect(isChosen(straight, { ...state, rest_s: 30 }, { shape: 'straight', length_m: 10 })).toBe(false);
+    const eight = plan('eight', { clockwise: true });
+    expect(isChosen(eight, { ...state, task: 'eight' }, { shape: 'eight', c_m: 1, radius_m: 0.8 })).toBe(false);
+  });
+  it('says what there is to do now', () => {
+    expect(phaseOf(state, 100, false).key).toBe('task.ready');
+    expect(phaseOf({ ...state, repetition: 1, begun_tick: 100 }, 1100, true)).toEqual({ key: 'task.under', seconds: 10 });
+    expect(phaseOf({ ...state, ends: 'time', goal: 120, repetition: 1, begun_tick: 100 }, 2100, true)).toEqual({ key: 'task.left', seconds: 100 });
+    const ended = { ...state, repetition: 1, begun_tick: 100, reached: true, ended_tick: 2000 };
+    expect(phaseOf(ended, 3000, false)).toEqual({ key: 'task.resting', seconds: 50 });
+    expect(phaseOf(ended, 8001, false).key).toBe('task.next');
+    expect(phaseOf({ ...ended, repetition: 3 }, 3000, false).key).toBe('task.done');
+    // Broken off before its end: the same repetition goes on.
+    expect(phaseOf({ ...ended, reached: false }, 3000, false).key).toBe('task.ready');
   });
 });
 

@@ -22,6 +22,7 @@ const walk = (change: Partial<WalkMessage>): WalkMessage => ({
   type: 'walk',
   exercise: { shape: 'free' },
   begun: null,
+  task: null,
   tick: null,
   motion_s: null,
   mark: null,

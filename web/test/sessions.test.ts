@@ -20,6 +20,7 @@ const session = (id: number): Session => ({
   simulated: true,
   recording: false,
   exercise: null,
+  task: null,
   note: '',
   samples: 1,
   gaps: 0,

@@ -106,7 +106,8 @@ GeneratedFile messages_file() {
       "// " + made_from("server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def") + "\n\n";
   out += "import type * as rest from './rest.gen';\n";
   out +=
-      "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TopicName } from "
+      "import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TaskState, TopicName } "
+      "from "
       "'./rest.gen';\n\n";
   out += reason_rows() + message_types(true) + message_types(false);
   out += "/** What the core reports. */\nexport const eventKinds = [";

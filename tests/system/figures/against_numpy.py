@@ -18,7 +18,7 @@ from formulas import DEGREE, Pattern, figures  # noqa: E402
 from harness import check, run_suite  # noqa: E402
 
 FOLDER = sys.argv[1]
-COLUMNS = ("mode", "standing_still", "fused_x_m", "fused_y_m", "fused_psi_rad", "dpsi_rad", "dy_m", "speed_m_s")
+COLUMNS = ("mode", "standing_still", "fused_x_m", "fused_y_m", "fused_psi_rad", "dpsi_rad", "dy_m", "speed_m_s", "lean_norm", "dx_m", "parameter_version")
 EIGHT = {"shape": "eight", "centre_m": 1.0, "radius_m": 0.8}
 SQUARE = {"shape": "square", "side_m": 3.2}
 USER, REMOTE, STANDBY, PROTECTIVE_STOP = 2, 3, 1, 4
@@ -48,10 +48,12 @@ def sway(count, cadence, asymmetry, random, jitter=0.01, amplitude=0.02, noise=0
 
 
 class Walk:
-    def __init__(self, exercise, speed, psi, x, y, dpsi, dy, mode=USER):
-        self.exercise, count = exercise, len(speed)
+    def __init__(self, exercise, speed, psi, x, y, dpsi, dy, mode=USER, lean=None, dx=None):
+        self.exercise, self.task, count = exercise, None, len(speed)
+        lean = np.clip(np.roll(speed, -30) / 0.4, -1, 1) if lean is None else lean
         self.columns = {"tick": np.arange(count) + 1000, "mode": np.full(count, mode), "standing": (np.abs(speed) < 0.02).astype(int), "x": x, "y": y,
-                        "psi": psi, "dpsi": dpsi, "dy": dy, "speed": speed, "distance": np.concatenate(([0], np.cumsum(np.abs(speed[:-1]) * 0.01)))}
+                        "psi": psi, "dpsi": dpsi, "dy": dy, "speed": speed, "distance": np.concatenate(([0], np.cumsum(np.abs(speed[:-1]) * 0.01))),
+                        "lean": lean, "dx": 0.1 * lean if dx is None else dx, "version": np.ones(count, dtype=int)}
         for part in (slice(0, 50), slice(count - 50, count)):
             self.columns["mode"][part] = STANDBY
 
@@ -60,11 +62,16 @@ class Walk:
         self.columns = {name: values[keep] for name, values in self.columns.items()}
         return self
 
+    def of(self, name, ends, goal, edge_m=0):
+        self.task = {"task": name, "version": 1, "ends": ends, "goal": goal, "edge_m": edge_m, "repetition": 1, "repetitions": 2, "rest_s": 60}
+        return self
+
     def text(self):
         rows = np.column_stack(list(self.columns.values()))
         out = io.StringIO()
-        np.savetxt(out, rows, fmt=["%d"] * 3 + ["%.6f"] * 7)
-        return f"walk {json.dumps(self.exercise) if self.exercise else 'free'}\n" + out.getvalue()
+        np.savetxt(out, rows, fmt=["%d"] * 3 + ["%.6f"] * 9 + ["%d"])
+        exercise = {"shape": "free", **(self.exercise or {}), "task": self.task} if self.task else self.exercise
+        return f"walk {json.dumps(exercise) if exercise else 'free'}\n" + out.getvalue()
 
 
 def along(exercise, laps, random, mode=USER, cadence=70, pelvis=1.0):
@@ -109,7 +116,46 @@ def columns_of(database, session):
     names, *rows = (line.split(",") for line in text.splitlines())
     values = np.array([row[1:] for row in rows], dtype=float)
     columns = {name.replace("fused_", ""): values[:, i] for i, name in enumerate(names[1:])}
-    return {name: values.astype(int) if name in ("tick", "mode", "standing_still") else values for name, values in columns.items()}
+    return {name: values.astype(int) if name in ("tick", "mode", "standing_still", "parameter_version") else values for name, values in columns.items()}
+
+
+HAIRPIN = {"shape": "hairpin", "length_m": 3.0, "radius_m": 0.5}
+OVAL = {"shape": "oval", "length_m": 3.0, "radius_m": 0.75}
+SLALOM = {"shape": "slalom", "spacing_m": 2.0}
+STRAIGHT = {"shape": "straight", "length_m": 14.0}
+
+
+def walks_of_tasks(random):
+    changed = along(EIGHT, 1, random).of("eight", "distance", 1)
+    changed.columns["version"][2000:] = 2
+    return [along(STRAIGHT, 1, random).of("walk_10m", "distance", 1, 2), along({**STRAIGHT, "length_m": 10.0}, 1, random, REMOTE).of("walk_10m", "distance", 1, 3),
+            along(HAIRPIN, 1, random).of("up_and_go", "distance", 1), along({**HAIRPIN, "length_m": 4.0, "radius_m": 0.7}, 1, random).of("up_and_go", "distance", 1),
+            along(OVAL, 2, random).of("walk_2min", "time", 40), along(OVAL, 3, random).of("walk_2min", "time", 60), along(OVAL, 1, random).of("walk_2min", "time", 120),
+            free([np.pi], random).of("turn_180", "turn", np.pi * 0.99), free([-2 * np.pi], random).of("turn_360", "turn", np.pi * 1.99),
+            free([np.pi / 2], random).of("turn_180", "turn", np.pi), along(SLALOM, 1, random).of("slalom", "distance", 1), changed,
+            free([], random, straight_s=60.0).of("free_walk", "hand", 0), stumbles(random, 3, 60.0)[0], set_off_twice(random)]
+
+
+def stumbles(random, count, seconds):
+    """A steady walk with `count` sudden leans far out; the truth is their number."""
+    t = np.arange(0, seconds, 0.01)
+    lean = 0.055 + 0.004 * np.sin(2 * np.pi * 1.6 * t) + 0.0005 * random.standard_normal(len(t))
+    at = np.linspace(8, seconds - 8, count) + random.uniform(-2, 2, count) if count else []
+    for begin in at:
+        size, rise, fall = random.uniform(0.075, 0.14), random.uniform(0.15, 0.35), random.uniform(0.5, 1.5)
+        lean += size * np.clip(np.minimum((t - begin) / rise, 1 - (t - begin - rise) / fall), 0, 1)
+    speed = ramped(seconds - 0.001, 0.4)[: len(t)]
+    zero = np.zeros(len(t))
+    return Walk(None, speed, zero, np.cumsum(speed) * 0.01, zero, zero, sway(len(t), 95, 0, random), USER, np.clip(lean / 0.14, -1, 1), lean), count
+
+
+def set_off_twice(random):
+    """The hoist follows a lean of 0.5 after 0.6 s, in half a second to 0.3 m/s, and comes to rest 0.8 s after its end."""
+    t = np.arange(0, 40, 0.01)
+    lean = 0.5 * (((t > 3) & (t < 15)) | ((t > 22) & (t < 33))).astype(float)
+    speed = sum(0.3 * np.clip(np.minimum((t - on) / 0.5, 1 - (t - off) / 0.8), 0, 1) for on, off in ((3.6, 15), (22.6, 33)))
+    zero = np.zeros(len(t))
+    return Walk(None, speed, zero, np.cumsum(speed) * 0.01, zero, zero, sway(len(t), 80, 0, random), USER, lean)
 
 
 def walks_of_all_kinds(random):
@@ -130,12 +176,14 @@ def every_figure_is_the_one_of_its_formula():
     tolerance = {"step_asymmetry_norm": 2e-3}
     seen = {}
     with tempfile.TemporaryDirectory() as folder:
-        database, told = recorded(walks_of_all_kinds(np.random.default_rng(1)), folder)
-        for one in told:
+        walks = walks_of_all_kinds(np.random.default_rng(1)) + walks_of_tasks(np.random.default_rng(5))
+        database, told = recorded(walks, folder)
+        for walk, one in zip(walks, told):
             exercise = json.loads(json.dumps(one["exercise"]))
             if exercise and "c_m" in exercise:
                 exercise["centre_m"] = exercise.pop("c_m")
-            mine = figures(columns_of(database, one["session"]), exercise)
+            exercise = None if exercise and exercise["shape"] == "free" else exercise
+            mine = figures(columns_of(database, one["session"]), exercise, walk.task)
             check(set(mine) == set(one["computed"]), f"figures without a formula here: {set(mine) ^ set(one['computed'])}")
             for key, value in mine.items():
                 name = f"session {one['session']}, {key}: {one[key]} ({one['computed'][key]['reason_code']}), numpy {value}"
@@ -178,6 +226,49 @@ def a_pelvis_that_leads_leads_by_as_much():
     check(abs(one["completion_norm"] - 2) < 0.02 and abs(one["lap_time_mean_s"] - Pattern(EIGHT).length / 0.3) < 2, "laps")
 
 
+def tasks_have_their_true_results():
+    random = np.random.default_rng(6)
+    with tempfile.TemporaryDirectory() as folder:
+        _, (ten, short, there, oval, half, wrong) = recorded(
+            [along(STRAIGHT, 1, random).of("walk_10m", "distance", 1, 2), along(STRAIGHT, 0.5, random).of("walk_10m", "distance", 1, 2),
+             along(HAIRPIN, 1, random).of("up_and_go", "distance", 1), along(OVAL, 3, random).of("walk_2min", "time", 60),
+             free([np.pi + 0.2], random).of("turn_180", "turn", np.pi), free([np.pi / 2], random).of("turn_180", "turn", np.pi)], folder)
+    check(abs(ten["timed_speed_m_s"] - 0.3) < 0.003 and abs(ten["task_time_s"] - (14 / 0.3 + 2)) < 0.8, f"10 m: {ten['timed_speed_m_s']}, {ten['task_time_s']}")
+    for key in ("timed_speed_m_s", "task_time_s"):
+        check(short[key] is None and short["computed"][key]["reason_code"] == "task_unfinished", f"half a 10 m walk has {key} {short[key]}")
+    phases = [there[key] for key in ("out_time_s", "turning_time_s", "back_time_s")]
+    check(abs(sum(phases) - there["task_time_s"]) < 1e-9, "the phases are the whole")
+    check(abs(phases[0] - (3 / 0.3 + 1)) < 0.4 and abs(phases[1] - np.pi * 0.5 / 0.3) < 0.4, f"phases {phases}")
+    # From rest to 0.3 m/s in 2 s: 0.3 m less than at once.
+    check(abs(oval["task_distance_m"] - (0.3 * 60 - 0.3)) < 0.05, f"60 s at 0.3 m/s: {oval['task_distance_m']} m")
+    check(oval["task_time_s"] is None and oval["computed"]["task_time_s"]["reason_code"] == "no_task", "a walk of a given time has no time as result")
+    check(half["task_time_s"] > 6 and wrong["task_time_s"] is None, f"turns: {half['task_time_s']}, {wrong['task_time_s']}")
+
+
+def setting_off_and_stopping_are_the_true_ones():
+    walk = set_off_twice(np.random.default_rng(7))
+    way = np.sum(walk.columns["speed"] * 0.01)
+    with tempfile.TemporaryDirectory() as folder:
+        _, (one,) = recorded([walk], folder)
+    late = 0.6 + 0.5 / 6
+    check(abs(one["start_latency_s"] - late) <= 0.03, f"{one['start_latency_s']} s instead of {late} s")
+    check(abs(one["stopping_way_m"] - 0.12) <= 0.005, f"{one['stopping_way_m']} m instead of 0.12 m")
+    check(abs(one["dead_band_norm"] - (1 - 23 / 39)) < 0.01, f"dead band {one['dead_band_norm']}")
+    check(abs(one["effort_s_m"] - 0.5 * 23 / way) < 0.01, f"effort {one['effort_s_m']}")
+
+
+def losses_of_balance_are_found_and_not_invented():
+    """Sensitivity of 0.98 at one false alarm an hour: 100 events in walks, and an hour without any."""
+    random = np.random.default_rng(8)
+    walks = [stumbles(random, 10, 150.0) for _ in range(10)] + [stumbles(random, 0, 600.0) for _ in range(6)]
+    with tempfile.TemporaryDirectory() as folder:
+        _, told = recorded([walk for walk, _ in walks], folder)
+    found = [one["balance_events"] for one in told]
+    print(f"  {sum(found[:10]):.0f} of 100 found, {sum(found[10:]):.0f} false in an hour")
+    check(98 <= sum(found[:10]) <= 100 and sum(found[10:]) <= 1, f"found {found}")
+
+
 if __name__ == "__main__":
     sys.exit(run_suite("Figures", [every_figure_is_the_one_of_its_formula, cadence_and_asymmetry_are_the_true_ones, turns_have_their_true_angles,
-                                   a_pelvis_that_leads_leads_by_as_much]))
+                                   a_pelvis_that_leads_leads_by_as_much, tasks_have_their_true_results, setting_off_and_stopping_are_the_true_ones,
+                                   losses_of_balance_are_found_and_not_invented]))

@@ -8,6 +8,8 @@ MOVING = (2, 3, 6)  # USER, REMOTE, GUIDED
 USER, STANDBY = 2, 1
 STOPPED = (4, 7, 8)
 DEGREE = np.pi / 180
+# Parameters of the recordings that record_walks makes: the table's usual values.
+DEAD_BAND, LEAN_RANGE, STRUT_LENGTH = 0.05, 0.174532925, 0.8
 
 
 class Pattern:
@@ -15,12 +17,19 @@ class Pattern:
 
     def __init__(self, exercise):
         shape = exercise["shape"]
-        self.closed = shape != "straight"
+        self.closed = shape not in ("straight", "hairpin", "slalom")
         if shape == "straight":
             start, pieces = (0, 0, 0), [(exercise["length_m"], 0, 0)]
         elif shape == "square":
             side = exercise["side_m"]
             start, pieces = (-side / 2, -side / 2, 0), [(side, 0, np.pi / 2)] * 4
+        elif shape in ("hairpin", "oval"):
+            line, r = exercise["length_m"], exercise["radius_m"]
+            start, pieces = (0, 0, 0), [(line, 0, 0), (np.pi * r, 1 / r, 0), (line, 0, 0)] + [(np.pi * r, 1 / r, 0)] * (shape == "oval")
+        elif shape == "slalom":
+            r = exercise["spacing_m"] / (2 * np.sin(np.pi / 3))
+            arc = r * np.pi / 3
+            start, pieces = (0, 0, 0), [(arc, 1 / r, 0)] + [(2 * arc, sign / r, 0) for sign in (-1, 1, -1, 1)] + [(arc, -1 / r, 0)]
         else:
             c, r = exercise["centre_m"], exercise["radius_m"]
             slope, line = np.arcsin(r / c), np.sqrt(c * c - r * r)
@@ -33,7 +42,7 @@ class Pattern:
             self.length += length
             x, y, psi = self.on(pose, kappa, length)
             pose = (x, y, psi + corner)
-        self.lap_turn = pose[2] - start[2] if shape == "square" else 0.0
+        self.lap_turn = pose[2] - start[2] if shape in ("square", "oval") else 0.0
 
     @staticmethod
     def on(pose, kappa, along):
@@ -132,6 +141,84 @@ def path_figures(c, exercise, missing, out):
         left = there
     if laps:
         out.update(lap_time_mean_s=np.mean(laps), lap_time_best_s=min(laps))
+    return pattern, s
+
+
+def task_figures(c, task, missing, progress, out):
+    """progress: the pattern and the arc length of each sample, where the walk is compared with a line."""
+    out.update(dict.fromkeys(("task_time_s", "task_distance_m", "timed_speed_m_s", "out_time_s", "turning_time_s", "back_time_s")))
+    moved = np.flatnonzero(c["standing_still"] == 0)
+    if task is None or len(moved) == 0 or missing > 0.5 or len(set(c["mode"])) > 1:
+        return
+    begun, tick = moved[0], c["tick"]
+    first = lambda mask: begun + np.argmax(mask[begun:]) if np.any(mask[begun:]) else None
+    between = lambda a, b: 0.01 * (tick[b] - tick[a])
+    if task["ends"] == "distance":
+        if progress is None:
+            return
+        pattern, s = progress
+        end = first(s >= task["goal"] * pattern.length - 0.02)
+        if end is None:
+            return
+        out["task_time_s"] = between(begun, end)
+        if task["edge_m"] > 0:
+            a, b = first(s >= task["edge_m"]), first(s >= pattern.length - task["edge_m"])
+            out["timed_speed_m_s"] = (pattern.length - 2 * task["edge_m"]) / between(a, b)
+        if len(pattern.pieces) == 3:
+            line = pattern.pieces[0][1]
+            a, b = first(s >= line), first(s >= pattern.length - line)
+            out.update(out_time_s=between(begun, a), turning_time_s=between(a, b), back_time_s=between(b, end))
+    elif task["ends"] == "turn":
+        end = first(np.abs(c["psi_rad"] - c["psi_rad"][begun]) >= task["goal"])
+        out["task_time_s"] = None if end is None else between(begun, end)
+    elif task["ends"] == "time":
+        end = first(0.01 * (tick - tick[begun]) >= task["goal"])
+        out["task_distance_m"] = None if end is None else 0.01 * np.sum(np.abs(c["speed_m_s"][begun:end]))
+
+
+def lead_figures(c, bouts, missing, out):
+    out.update(dict.fromkeys(("start_latency_s", "stopping_way_m", "dead_band_norm", "effort_s_m", "balance_events")))
+    if len(set(c["parameter_version"])) != 1:
+        return
+    lean, speed, led, tick = c["lean_norm"], c["speed_m_s"], c["mode"] == USER, c["tick"]
+    if missing <= 0.5:
+        out["balance_events"] = balance_events(c)
+    if not np.any(led):
+        return
+    beyond = np.abs(lean) > DEAD_BAND
+    out["dead_band_norm"] = np.mean(~beyond[led])
+    if 0.01 * np.sum(np.abs(speed[led])) >= 1:
+        out["effort_s_m"] = np.sum(np.abs(lean[led])) / np.sum(np.abs(speed[led]))
+    cuts = np.array([0, *(np.flatnonzero(np.diff(tick) > 1) + 1), len(tick)])
+    latencies, ways = [], []
+    for first, end in bouts:
+        left, right = cuts[cuts <= first][-1], cuts[cuts >= end][0]
+        # A start: half a second of rest, and a lean whose beginning is seen.
+        if first - left >= 50 and np.all(np.abs(speed[first - 50 : first]) <= 0.05) and np.all(led[first - 50 : first + 1]) and beyond[first]:
+            ready = np.flatnonzero(~(beyond & led)[left:first])
+            if len(ready) and led[left + ready[-1]]:
+                latencies.append(0.01 * (first - left - ready[-1] - 1))
+        # A stop: the lean is back within the dead band before the hoist is at rest.
+        still = np.flatnonzero((np.abs(speed) <= 0.01)[end:right])
+        if len(still) and np.all(led[end : end + still[0] + 1]):
+            rest = end + still[0]
+            asks = np.flatnonzero(np.sign(speed[end - 1]) * lean[first:rest] > DEAD_BAND)
+            if len(asks) and first + asks[-1] + 1 < rest and np.all(led[first + asks[-1] : rest]):
+                ways.append(0.01 * np.sum(np.abs(speed[first + asks[-1] + 1 : rest])))
+    out["start_latency_s"] = np.mean(latencies) if latencies else None
+    out["stopping_way_m"] = np.mean(ways) if ways else None
+
+
+def balance_events(c):
+    tilt, tick = np.arcsin(np.minimum(1, np.hypot(c["dx_m"], c["dy_m"]) / STRUT_LENGTH)), c["tick"]
+    later = np.flatnonzero(tick[10:] - tick[:-10] == 10) + 10
+    rate = (tilt[later] - tilt[later - 10]) / 0.1
+    if len(rate) < 2000:
+        return None
+    middle = lambda values: np.sort(values)[len(values) // 2]
+    limit = middle(rate) + 4 * 1.4826 * middle(np.abs(rate - middle(rate)))
+    found = tick[later[(tilt[later] > 0.7 * LEAN_RANGE) & (rate > limit)]]
+    return int(len(found) > 0) + int(np.sum(np.diff(found) >= 100))
 
 
 def bouts_of(c):
@@ -173,7 +260,7 @@ def sways(c, bouts, window=301):
 
 def stride_figures(c, bouts, out):
     keys = ("cadence_steps_min", "stride_time_s", "stride_regularity_norm", "step_regularity_norm", "step_symmetry_norm", "stride_time_cv_norm",
-            "step_asymmetry_norm")
+            "step_asymmetry_norm", "steps")
     out.update(dict.fromkeys(keys))
     signals = sways(c, bouts)
     steady = sum(len(x) for x in signals)
@@ -193,7 +280,7 @@ def stride_figures(c, bouts, out):
     if at(stride) < 0.3 or steady < 8 * stride:
         return
     out.update(cadence_steps_min=12000 / stride, stride_time_s=stride / 100, stride_regularity_norm=at(stride),
-               step_regularity_norm=abs(at(stride / 2)), step_symmetry_norm=abs(at(stride / 2)) / at(stride))
+               steps=np.round(2 * sum(b - a for a, b in bouts) / stride), step_regularity_norm=abs(at(stride / 2)), step_symmetry_norm=abs(at(stride / 2)) / at(stride))
     times, drawn = [], np.zeros(100)
     signals = sways(c, bouts, 2 * int(stride / 2 + 0.5) + 1)
     size = np.sqrt(np.mean(np.concatenate(signals) ** 2))
@@ -271,7 +358,7 @@ def turn_figures(c, missing, out):
         out["turn_lead_s"] = lag if best >= 0.3 else None
 
 
-def figures(columns, exercise):
+def figures(columns, exercise, task):
     """columns: of all recorded samples, by name without fused_."""
     moving = np.isin(columns["mode"], MOVING)
     c = {name: values[moving] for name, values in columns.items()}
@@ -279,7 +366,9 @@ def figures(columns, exercise):
     missing = 0.01 * sum(columns["tick"][i + 1] - columns["tick"][i] - 1 for i in holes if moving[i] or moving[i + 1])
     out = {}
     bouts = bouts_of(c)
-    path_figures(c, exercise, missing, out)
+    progress = path_figures(c, exercise, missing, out)
+    task_figures(c, task, missing, progress, out)
+    lead_figures(c, bouts, missing, out)
     dose_figures(c, list(columns["mode"]), missing, bouts, out)
     stride_figures(c, bouts, out)
     smooth_figures(c, bouts, out)

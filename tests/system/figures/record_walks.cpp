@@ -1,5 +1,5 @@
 // record_walks FILE: records the walks on standard input, for against_numpy.py. A walk: a line "walk EXERCISE" (JSON, or "free"), then a line per sample:
-// tick, mode, standing still, x, y, psi, dpsi, dy, speed, distance. SI units.
+// tick, mode, standing still, x, y, psi, dpsi, dy, speed, distance, lean_norm, dx, parameter_version. SI units.
 #include <cstdio>
 #include <iostream>
 #include <sstream>
@@ -15,7 +15,8 @@ contract::TickRecord record_of(const std::string& line) {
   contract::TickRecord r;
   std::istringstream in(line);
   unsigned mode = 0, standing = 0;
-  in >> r.tick >> mode >> standing >> r.x_m >> r.y_m >> r.psi_rad >> r.dpsi_rad >> r.dy_m >> r.speed_m_s >> r.distance_m;
+  in >> r.tick >> mode >> standing >> r.x_m >> r.y_m >> r.psi_rad >> r.dpsi_rad >> r.dy_m >> r.speed_m_s >> r.distance_m >> r.lean_norm >>
+      r.dx_m >> r.parameter_version;
   r.mode = static_cast<std::uint8_t>(mode);
   r.standing_still = static_cast<std::uint8_t>(standing);
   r.time_ns = db::test::kStart_ns + r.tick * 10'000'000;
@@ -25,6 +26,9 @@ contract::TickRecord record_of(const std::string& line) {
 
 bool store(db::SessionWriter& writer, const std::string& exercise, const std::vector<contract::TickRecord>& records) {
   db::SessionStart start = db::test::start_of_walk();
+  std::vector<double> values;
+  for (const contract::ParamInfo& info : contract::kParams) values.push_back(info.default_value);
+  start.parameter_values = values;
   if (exercise != "free") start.exercise_json = exercise;
   return writer.begin(start).ok() && writer.append_ticks(records).ok() &&
          writer.end(db::CloseReason::finished, start.started_utc_ns + 1'000'000'000).ok();

@@ -21,6 +21,10 @@ std::vector<ReferencePath> figures() {
           ReferencePath::circle(0.7),
           ReferencePath::round_square(2.0, 0.4),
           ReferencePath::round_square(1.0, 0.5),
+          ReferencePath::hairpin(3.0, 0.5),
+          ReferencePath::oval(4.0, 0.75),
+          ReferencePath::slalom(2.0),
+          ReferencePath::slalom(1.5).mirrored(),
           ReferencePath::square().mirrored(),
           ReferencePath::eight().mirrored()};
 }

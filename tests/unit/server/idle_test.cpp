@@ -362,7 +362,7 @@ TEST_F(Idle, EachStepIsShownOrNamedAsMissingExactlyOnce) {
 namespace calls {
 #define CALL(name, ...) \
   void name(Services& services, const Asker& asker, OutcomeDone done) { __VA_ARGS__; }
-const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kText = "here", kPatient = 7U;
+const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kText = "here", kPatient = 7U, kTask{{"task", "circle"}};
 CALL(take_lease, act_take_lease(services, asker, true, done))
 CALL(release_lease, act_release_lease(services, asker, done))
 CALL(ask_lease, act_ask_lease(services, asker, false, done))
@@ -372,6 +372,7 @@ CALL(hand_over, act_hand_over(services, asker, HandOverWish{.client = 8, .user =
 CALL(start_motion, act_mode(services, asker, {kUser, kNone, kNone, kNone}, done))
 CALL(end_motion, act_mode(services, asker, {kStandby, kNone, kNone, kNone}, done))
 CALL(choose_exercise, act_choose(services, asker, kEmpty, done))
+CALL(choose_task, act_choose_task(services, asker, kTask, done))
 CALL(stop, act_stop(services, asker, done))
 CALL(acknowledge, act_acknowledge(services, asker, kNone, done))
 CALL(begin_calibration, act_calibrate(services, asker, CalibrateWish{}, done))

@@ -46,7 +46,7 @@ TEST(Walk, OnlyMotionCountsAndAStopInBetweenBeginsNothingAnew) {
     for (int i = 0; i < count; ++i) {
       TickRecord record = standing(tick++, mode);
       record.distance_m = record.fused_x_m = distance_m += step_m;
-      EXPECT_EQ(walk.take(record), record.tick == 1);
+      EXPECT_EQ(walk.take(record).marked, record.tick == 1);
     }
   };
   steps(Mode::standby, 50, 0);
@@ -72,7 +72,7 @@ TEST(Walk, AStartMarkBeginsAnew) {
   record.start_mark = 5;
   record.fused_x_m = -1.5F;
   record.fused_psi_rad = 0.5F;
-  EXPECT_TRUE(walk.take(record));
+  EXPECT_TRUE(walk.take(record).marked);
   const auto told = walk.told();
   EXPECT_EQ(told["mark"], (json{{"x_m", -1.5}, {"y_m", 0.0}, {"psi_rad", 0.5}}));
   EXPECT_EQ(told["x_m"], json::array({-1.5}));
@@ -222,6 +222,167 @@ TEST_F(WalkLiveTest, AScreenIsToldWhyTheCoreIsAway) {
   EXPECT_EQ(told["reason_code"], "core_silent") << told;
   EXPECT_EQ(told["connected"], false);
   EXPECT_EQ(told["problem"], get("/api/v1/status").json()["core"]["problem"]);
+}
+
+// One step in which the hoist stands at this place of the floor.
+TickRecord at_place(std::uint64_t tick, Mode mode, std::uint32_t mark, double x_m, double psi_rad = 0) {
+  TickRecord record = standing(tick, mode);
+  record.start_mark = mark;
+  record.fused_x_m = static_cast<float>(x_m);
+  record.fused_psi_rad = static_cast<float>(psi_rad);
+  return record;
+}
+
+db::TaskChoice task_choice(const json& wish) {
+  std::vector<db::ExerciseProblem> problems;
+  const auto choice = db::read_task_choice(wish, problems);
+  EXPECT_TRUE(choice) << (problems.empty() ? "" : problems.front().field + ' ' + problems.front().message);
+  return choice.value_or(db::TaskChoice{});
+}
+
+TEST(TaskRun, ALineEndsWhereItEndsAndEachStartMarkIsARepetition) {
+  server::TaskRun run;
+  const db::TaskChoice straight = task_choice({{"task", "straight"}, {"sizes", {{"length_m", 2}}}, {"repetitions", 2}});
+  run.choose(straight);
+  EXPECT_EQ(run.told()["repetition"], 0);
+  std::uint64_t tick = 1;
+  // From x to x, 1 cm a step. The steps in which the task's end was to be told.
+  const auto walk = [&](Mode mode, std::uint32_t mark, double from_m, double to_m) {
+    std::vector<double> reached;
+    for (double x_m = from_m; x_m <= to_m; x_m += 0.01)
+      if (run.take(at_place(tick++, mode, mark, x_m)).reached) reached.push_back(x_m);
+    return reached;
+  };
+  run.take(at_place(tick++, Mode::standby, 1, 0));
+  ASSERT_EQ(run.next(straight.exercise, Mode::user)->repetition, 1U);
+  EXPECT_FALSE(run.next(contract::usual_exercise(contract::ExerciseShape::circle), Mode::user)) << "another line is no repetition";
+  run.begin(run.next(straight.exercise, Mode::user));
+  EXPECT_TRUE(walk(Mode::user, 1, 0, 1).empty());
+  EXPECT_FALSE(run.told()["reached"].get<bool>());
+  // Broken off and gone on with: the same repetition.
+  run.take(at_place(tick++, Mode::standby, 1, 1));
+  EXPECT_EQ(run.told()["ended_tick"], tick - 1);
+  ASSERT_EQ(run.next(straight.exercise, Mode::user)->repetition, 1U);
+  run.begin(run.next(straight.exercise, Mode::user));
+  const auto reached = walk(Mode::user, 1, 1, 2.2);
+  ASSERT_EQ(reached.size(), 1U) << "told once";
+  EXPECT_NEAR(reached.front(), 2.0, 0.03);
+  run.take(at_place(tick++, Mode::standby, 1, 2.2));
+  EXPECT_TRUE(run.told()["reached"].get<bool>());
+  EXPECT_EQ(run.told()["ended_tick"], tick - 1) << "the rest is counted from here";
+  // A new mark: the next one, which GUIDED ends by itself.
+  run.take(at_place(tick++, Mode::standby, 2, 0));
+  ASSERT_EQ(run.next(straight.exercise, Mode::guided)->repetition, 2U);
+  run.begin(run.next(straight.exercise, Mode::guided));
+  EXPECT_FALSE(run.told()["reached"].get<bool>());
+  EXPECT_TRUE(run.told()["ended_tick"].is_null());
+  EXPECT_TRUE(walk(Mode::guided, 2, 0, 2.2).empty());
+  EXPECT_TRUE(run.told()["reached"].get<bool>());
+  run.choose(std::nullopt);
+  EXPECT_TRUE(run.told().is_null());
+}
+
+TEST(TaskRun, TimeCountsFromTheFirstMovementAndATurnToEitherSide) {
+  server::TaskRun run;
+  const db::TaskChoice minutes = task_choice({{"task", "walk_2min"}, {"goal", 30}});
+  run.choose(minutes);
+  run.take(at_place(1, Mode::standby, 1, 0));
+  run.begin(run.next(minutes.exercise, Mode::user));
+  std::uint64_t tick = 2, reached = 0;
+  for (; tick < 500; ++tick) {
+    TickRecord still = at_place(tick, Mode::user, 1, 0);
+    still.standing_still = 1;
+    run.take(still);
+  }
+  for (; tick < 4000 && reached == 0; ++tick)
+    if (run.take(at_place(tick, Mode::user, 1, 0.01 * static_cast<double>(tick - 500))).reached) reached = tick;
+  EXPECT_EQ(reached, 500U + 3000U);
+  const db::TaskChoice turn = task_choice({{"task", "turn_180"}});
+  EXPECT_FALSE(run.next(turn.exercise, Mode::user)) << "not chosen";
+  run.choose(turn);
+  EXPECT_FALSE(run.next(turn.exercise, Mode::guided)) << "nothing that the hoist could lead";
+  run.begin(run.next(turn.exercise, Mode::remote));
+  double ended_rad = 0;
+  // Over the jump of a wrapped heading, to the right.
+  for (double turned = 0; turned < 3.4 && ended_rad == 0; turned += 0.01)
+    if (run.take(at_place(tick++, Mode::remote, 1, 0, std::remainder(-3.0 - turned, 6.283185307179586))).reached) ended_rad = turned;
+  EXPECT_NEAR(ended_rad, 3.14159, 0.02);
+}
+
+TEST_F(WalkLiveTest, ATaskIsChosenForAllScreensEndsItsMotionAndIsRecorded) {
+  Live live(port_, bearer_);
+  const json listed = get("/api/v1/tasks").json()["items"];
+  ASSERT_GE(listed.size(), 12U);
+  EXPECT_EQ(listed[0]["name"], "walk_10m");
+  const json wish{{"task", "straight"}, {"sizes", {{"length_m", 1}}}, {"repetitions", 3}};
+  ASSERT_EQ(call("PUT", "/api/v1/task", wish).status, 200);
+  const json line{{"shape", "straight"}, {"length_m", 1.0}};
+  json told;
+  ASSERT_TRUE(until([&] { return (told = live.wait("walk"))["task"].is_object(); }));
+  EXPECT_EQ(told["exercise"], line);
+  EXPECT_EQ(told["task"]["repetitions"], 3);
+  core_->set([](TickRecord& r) { r.standing_still = 0; });
+  ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
+  ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "user"}, {"exercise", line}})["ok"], true);
+  ASSERT_TRUE(until([&] { return live.wait("walk")["task"]["repetition"] == 1; }));
+  EXPECT_EQ(call("PUT", "/api/v1/task", wish).status, 409) << "not while the hoist moves";
+  core_->skip(1050);
+  EXPECT_TRUE(until([&] { return core_->mode() == Mode::standby; })) << "the end of the line ends the motion";
+  EXPECT_TRUE(until([&] {
+    const json task = get("/api/v1/walk").json()["task"];
+    return task["reached"] == true && task["ended_tick"].is_number();
+  }));
+  // A start after the end is the next repetition, from its start mark; a screen need not say so.
+  const auto mark = core_->published().back().start_mark;
+  ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "user"}, {"exercise", line}})["ok"], true);
+  EXPECT_TRUE(until([&] { return get("/api/v1/walk").json()["task"]["repetition"] == 2; }));
+  EXPECT_EQ(core_->published().back().start_mark, mark + 1);
+  ASSERT_EQ(live.ask({{"type", "mode"}, {"mode", "standby"}})["ok"], true);
+  core_->skip(400);
+  json session;
+  ASSERT_TRUE(until([&] {
+    const json items = get("/api/v1/sessions").json()["items"];
+    return items.size() == 2 && (session = items[1])["recording"] == false;
+  }));
+  EXPECT_EQ(get("/api/v1/sessions").json()["items"][0]["task"]["repetition"], 2);
+  EXPECT_EQ(session["exercise"], line);
+  EXPECT_EQ(session["task"], (json{{"task", "straight"},
+                                   {"version", 1},
+                                   {"ends", "distance"},
+                                   {"goal", 1.0},
+                                   {"edge_m", 0.0},
+                                   {"repetition", 1},
+                                   {"repetitions", 3},
+                                   {"rest_s", 60.0}}));
+  // Another exercise is no repetition of it.
+  ASSERT_EQ(call("PUT", "/api/v1/exercise", {{"shape", "circle"}, {"radius_m", 2.0}}).status, 200);
+  EXPECT_TRUE(get("/api/v1/walk").json()["task"].is_null());
+}
+
+TEST_F(WalkLiveTest, AWrongTaskNamesItsFieldAndChangesNothing) {
+  const json before = get("/api/v1/walk").json()["exercise"];
+  const auto refused = [&](const json& wish, std::string_view field) {
+    const Answer answer = call("PUT", "/api/v1/task", wish);
+    EXPECT_EQ(answer.status, 422) << wish;
+    EXPECT_EQ(answer.json()["errors"][0]["field"], field) << wish;
+    return answer.json()["errors"][0];
+  };
+  refused({{"task", "sit_stand"}}, "task");
+  const json size = refused({{"task", "walk_10m"}, {"sizes", {{"length_m", 25}}}}, "sizes.length_m");
+  EXPECT_EQ(size["min"], 6.0);
+  EXPECT_EQ(size["max"], 24.0);
+  refused({{"task", "walk_10m"}, {"sizes", {{"radius_m", 1}}}}, "sizes");
+  refused({{"task", "walk_10m"}, {"clockwise", true}}, "clockwise");
+  refused({{"task", "eight"}, {"goal", 1.5}}, "goal");
+  refused({{"task", "turn_180"}, {"goal", 1}}, "goal");
+  refused({{"task", "circle"}, {"repetitions", 0}}, "repetitions");
+  refused({{"task", "circle"}, {"rest_s", 601}}, "rest_s");
+  EXPECT_EQ(get("/api/v1/walk").json()["exercise"], before);
+  EXPECT_TRUE(get("/api/v1/walk").json()["task"].is_null());
+  ASSERT_EQ(call("PUT", "/api/v1/task", {{"task", "eight"}, {"sizes", {{"c_m", 2}}}}).status, 200);
+  EXPECT_EQ(get("/api/v1/walk").json()["exercise"]["radius_m"], 1.6) << "the loops keep their proportion";
+  ASSERT_EQ(call("PUT", "/api/v1/task", {{"task", nullptr}}).status, 200);
+  EXPECT_TRUE(get("/api/v1/walk").json()["task"].is_null());
 }
 
 TEST_F(WalkLiveTest, AWrongChoiceNamesItsFieldAndChangesNothing) {

@@ -50,6 +50,23 @@ export const exercises: readonly ExerciseInfo[] = [
       { name: 'radius_m', title: { en: 'Radius', de: 'Radius' }, required: true, usual_m: 0.8, driven_least_m: 0.3, driven_most_m: 20, share: 1 },],
   },
   {
+    shape: 'hairpin', title: { en: 'Out and back', de: 'Hin und zurück' }, turned: true, closed: false, usual_length_m: 7.571,
+    sizes: [
+      { name: 'length_m', title: { en: 'Length', de: 'Länge' }, required: true, usual_m: 3, driven_least_m: 0.5, driven_most_m: 50, share: 0 },
+      { name: 'radius_m', title: { en: 'Turn radius', de: 'Wenderadius' }, required: true, usual_m: 0.5, driven_least_m: 0.3, driven_most_m: 20, share: 0 },],
+  },
+  {
+    shape: 'oval', title: { en: 'Walkway', de: 'Gehstrecke' }, turned: true, closed: true, usual_length_m: 24.712,
+    sizes: [
+      { name: 'length_m', title: { en: 'Length', de: 'Länge' }, required: true, usual_m: 10, driven_least_m: 0.5, driven_most_m: 50, share: 0 },
+      { name: 'radius_m', title: { en: 'Turn radius', de: 'Wenderadius' }, required: true, usual_m: 0.75, driven_least_m: 0.3, driven_most_m: 20, share: 0 },],
+  },
+  {
+    shape: 'slalom', title: { en: 'Slalom', de: 'Slalom' }, turned: true, closed: false, usual_length_m: 12.092,
+    sizes: [
+      { name: 'spacing_m', title: { en: 'Pole spacing', de: 'Stangenabstand' }, required: true, usual_m: 2, driven_least_m: 1, driven_most_m: 10, share: 0 },],
+  },
+  {
     shape: 'free', title: { en: 'Free', de: 'Frei' }, turned: false, closed: false, usual_length_m: 0,
     sizes: [],
   },
@@ -61,5 +78,8 @@ export const usualExercise = {
   square: { shape: 'square', side_m: 3.2 },
   circle: { shape: 'circle', radius_m: 1.5 },
   eight: { shape: 'eight', c_m: 1, radius_m: 0.8 },
+  hairpin: { shape: 'hairpin', length_m: 3, radius_m: 0.5 },
+  oval: { shape: 'oval', length_m: 10, radius_m: 0.75 },
+  slalom: { shape: 'slalom', spacing_m: 2 },
   free: { shape: 'free' },
 } as const satisfies { [S in Exercise['shape']]: Extract<Exercise, { shape: S }> };

@@ -1,7 +1,7 @@
 // Made by `deploy/dev gen` from server/contract/messages.def and reasons.def, control/contract/commands.hpp and can_dictionary.def; do not edit.
 
 import type * as rest from './rest.gen';
-import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TopicName } from './rest.gen';
+import type { Actor, Exercise, FieldError, GuidedPath, JobKind, LeaseAsk, Pose, ReasonCode, StandingNotice, TaskState, TopicName } from './rest.gen';
 
 /** Why something was not done, or is not there. */
 export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> = {
@@ -59,6 +59,13 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   no_lead: { en: 'Pelvis and hoist did not turn alike.', de: 'Becken und Gerät drehten sich nicht ähnlich.' },
   too_long: { en: 'This value is defined for walks of up to ten minutes without a pause.', de: 'Dieser Wert gilt für Wege bis zehn Minuten ohne Pause.' },
   not_recorded: { en: 'This recording lacks a value that is needed.', de: 'Dieser Aufzeichnung fehlt ein nötiger Wert.' },
+  no_task: { en: 'This session is not a repetition of such a task.', de: 'Diese Sitzung ist keine Wiederholung einer solchen Aufgabe.' },
+  task_unfinished: { en: 'The end of the task was not reached.', de: 'Das Ende der Aufgabe wurde nicht erreicht.' },
+  not_from_start: { en: 'The task began before this recording.', de: 'Die Aufgabe begann vor dieser Aufzeichnung.' },
+  not_led: { en: 'The patient did not lead, or not far enough.', de: 'Der Patient führte nicht, oder nicht weit genug.' },
+  settings_changed: { en: 'Settings were changed during this walk.', de: 'Während dieses Wegs wurden Einstellungen geändert.' },
+  no_start: { en: 'The patient never set off from a standstill.', de: 'Der Patient ging nie aus dem Stand los.' },
+  no_stop: { en: 'The patient never came to a stop by leaning back.', de: 'Der Patient hielt nie durch Zurücklehnen an.' },
 };
 
 /** Take control; take_over takes it from somebody else while standing still. */
@@ -295,6 +302,8 @@ export interface WalkMessage {
   exercise: Exercise;
   /** What the present or the latest motion began with; null: not known to this server. */
   begun: Exercise | GuidedPath | null;
+  /** The chosen task and its repetition; null: none. */
+  task: TaskState | null;
   /** Newest step in what follows; null: none yet. */
   tick: number | null;
   /** Time in motion since the start mark; null: the mark is older than this server. */

@@ -3,6 +3,12 @@
 import type { Words } from './rest.gen';
 
 export type MetricKey =
+  | 'task_time_s'
+  | 'task_distance_m'
+  | 'timed_speed_m_s'
+  | 'out_time_s'
+  | 'turning_time_s'
+  | 'back_time_s'
   | 'C'
   | 'C_best'
   | 'C_best_lag_s'
@@ -28,6 +34,7 @@ export type MetricKey =
   | 'walking_s'
   | 'walking_speed_m_s'
   | 'stops'
+  | 'steps'
   | 'interventions'
   | 'protective_stops'
   | 'patient_led_norm'
@@ -44,7 +51,12 @@ export type MetricKey =
   | 'turns_right'
   | 'turn_angle_rad'
   | 'turn_time_s'
-  | 'turn_lead_s';
+  | 'turn_lead_s'
+  | 'start_latency_s'
+  | 'stopping_way_m'
+  | 'dead_band_norm'
+  | 'effort_s_m'
+  | 'balance_events';
 
 export interface MetricInfo {
   key: MetricKey;
@@ -56,17 +68,43 @@ export interface MetricInfo {
   digits: number;
 }
 
-export type MetricGroup = 'path' | 'dose' | 'stride' | 'smoothness' | 'turning';
+export type MetricGroup = 'task' | 'path' | 'dose' | 'stride' | 'smoothness' | 'turning' | 'control';
 
 export const metricGroups: readonly { name: MetricGroup; title: Words }[] = [
+  { name: 'task', title: { en: 'Task', de: 'Aufgabe' } },
   { name: 'path', title: { en: 'Path', de: 'Weg' } },
   { name: 'dose', title: { en: 'Amount', de: 'Umfang' } },
   { name: 'stride', title: { en: 'Steps', de: 'Schritte' } },
   { name: 'smoothness', title: { en: 'Smoothness', de: 'Gleichmaß' } },
   { name: 'turning', title: { en: 'Turning', de: 'Drehen' } },
+  { name: 'control', title: { en: 'Leading the hoist', de: 'Führen des Geräts' } },
 ];
 
 export const metrics: readonly MetricInfo[] = [
+  {
+    key: 'task_time_s', group: 'task', title: { en: 'Time of the task', de: 'Zeit der Aufgabe' },
+    unit: 's', factor: 1, digits: 1,
+  },
+  {
+    key: 'task_distance_m', group: 'task', title: { en: 'Distance of the task', de: 'Strecke der Aufgabe' },
+    unit: 'm', factor: 1, digits: 1,
+  },
+  {
+    key: 'timed_speed_m_s', group: 'task', title: { en: 'Speed over the timed part', de: 'Tempo auf der Messstrecke' },
+    unit: 'm/s', factor: 1, digits: 2,
+  },
+  {
+    key: 'out_time_s', group: 'task', title: { en: 'Time of the way out', de: 'Zeit für den Hinweg' },
+    unit: 's', factor: 1, digits: 1,
+  },
+  {
+    key: 'turning_time_s', group: 'task', title: { en: 'Time of the turn', de: 'Zeit für die Wende' },
+    unit: 's', factor: 1, digits: 1,
+  },
+  {
+    key: 'back_time_s', group: 'task', title: { en: 'Time of the way back', de: 'Zeit für den Rückweg' },
+    unit: 's', factor: 1, digits: 1,
+  },
   {
     key: 'C', group: 'path', title: { en: 'Turning with the path', de: 'Drehen mit dem Weg' },
     unit: '', factor: 1, digits: 2,
@@ -168,6 +206,10 @@ export const metrics: readonly MetricInfo[] = [
     unit: '', factor: 1, digits: 0,
   },
   {
+    key: 'steps', group: 'dose', title: { en: 'Steps', de: 'Schritte' },
+    unit: '', factor: 1, digits: 0,
+  },
+  {
     key: 'interventions', group: 'dose', title: { en: 'Patient\'s lead broken off', de: 'Führung des Patienten beendet' },
     unit: '', factor: 1, digits: 0,
   },
@@ -234,5 +276,25 @@ export const metrics: readonly MetricInfo[] = [
   {
     key: 'turn_lead_s', group: 'turning', title: { en: 'Pelvis turns before the hoist by', de: 'Becken dreht vor dem Gerät um' },
     unit: 's', factor: 1, digits: 2,
+  },
+  {
+    key: 'start_latency_s', group: 'control', title: { en: 'Delay of setting off', de: 'Verzögerung beim Losgehen' },
+    unit: 's', factor: 1, digits: 2,
+  },
+  {
+    key: 'stopping_way_m', group: 'control', title: { en: 'Stopping distance', de: 'Anhalteweg' },
+    unit: 'cm', factor: 100, digits: 0,
+  },
+  {
+    key: 'dead_band_norm', group: 'control', title: { en: 'Lean within the dead band', de: 'Neigung in der Totzone' },
+    unit: '%', factor: 100, digits: 0,
+  },
+  {
+    key: 'effort_s_m', group: 'control', title: { en: 'Lean held per metre', de: 'Neigung je Meter' },
+    unit: 's/m', factor: 1, digits: 2,
+  },
+  {
+    key: 'balance_events', group: 'control', title: { en: 'Losses of balance', de: 'Gleichgewichtsverluste' },
+    unit: '', factor: 1, digits: 0,
   },
 ];

@@ -328,6 +328,28 @@ export type Exercise = {
   radius_m: number;
   shape: 'eight';
 } | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of each straight. */
+  length_m: number;
+  /** Of the half circle between them. */
+  radius_m: number;
+  shape: 'hairpin';
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  /** Of each straight. */
+  length_m: number;
+  /** Of the half circles at both ends. */
+  radius_m: number;
+  shape: 'oval';
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  shape: 'slalom';
+  /** Between its four poles; the line passes them at 0.29 of it. */
+  spacing_m: number;
+} | {
   shape: 'free';
 };
 
@@ -455,6 +477,37 @@ export type GuidedPath = {
   /** Of the loops. */
   radius_m: number;
   shape: 'eight';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: number | null;
+  /** Of each straight. */
+  length_m: number;
+  /** Of the half circle between them. */
+  radius_m: number;
+  shape: 'hairpin';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: number | null;
+  /** Of each straight. */
+  length_m: number;
+  /** Of the half circles at both ends. */
+  radius_m: number;
+  shape: 'oval';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: number | null;
+  shape: 'slalom';
+  /** Between its four poles; the line passes them at 0.29 of it. */
+  spacing_m: number;
   /** Slower in curves that need it. */
   speed_m_s: number;
 };
@@ -681,6 +734,10 @@ export type Metrics = {
   J_N: number | null;
   /** Squared error of the walk over time per metre of path: J_N without the sampling rate. */
   J_T_m_s: number | null;
+  /** Walk, turn, walk back: time of the way back. */
+  back_time_s: number | null;
+  /** Sudden leans far out, faster than this walk's own: losses of balance and catches. */
+  balance_events: number | null;
   /** Number of bouts of walking: a second or longer at more than 0.05 m/s. */
   bouts: number | null;
   /** Steps a minute, two to a stride. */
@@ -694,11 +751,15 @@ export type Metrics = {
     C_best_lag_s: ComputedFrom;
     J_N: ComputedFrom;
     J_T_m_s: ComputedFrom;
+    back_time_s: ComputedFrom;
+    balance_events: ComputedFrom;
     bouts: ComputedFrom;
     cadence_steps_min: ComputedFrom;
     completion_norm: ComputedFrom;
     cross_track_max_m: ComputedFrom;
     cross_track_mean_m: ComputedFrom;
+    dead_band_norm: ComputedFrom;
+    effort_s_m: ComputedFrom;
     interventions: ComputedFrom;
     lap_time_best_s: ComputedFrom;
     lap_time_mean_s: ComputedFrom;
@@ -707,6 +768,7 @@ export type Metrics = {
     mean_speed_m_s: ComputedFrom;
     missing_s: ComputedFrom;
     motion_s: ComputedFrom;
+    out_time_s: ComputedFrom;
     patient_led_norm: ComputedFrom;
     protective_stops: ComputedFrom;
     reference_length_m: ComputedFrom;
@@ -715,16 +777,23 @@ export type Metrics = {
     rms_pose_m: ComputedFrom;
     rms_position_m: ComputedFrom;
     sparc: ComputedFrom;
+    start_latency_s: ComputedFrom;
     step_asymmetry_norm: ComputedFrom;
     step_regularity_norm: ComputedFrom;
     step_symmetry_norm: ComputedFrom;
+    steps: ComputedFrom;
+    stopping_way_m: ComputedFrom;
     stops: ComputedFrom;
     stride_regularity_norm: ComputedFrom;
     stride_time_cv_norm: ComputedFrom;
     stride_time_s: ComputedFrom;
+    task_distance_m: ComputedFrom;
+    task_time_s: ComputedFrom;
+    timed_speed_m_s: ComputedFrom;
     turn_angle_rad: ComputedFrom;
     turn_lead_s: ComputedFrom;
     turn_time_s: ComputedFrom;
+    turning_time_s: ComputedFrom;
     turns_left: ComputedFrom;
     turns_right: ComputedFrom;
     under_way_s: ComputedFrom;
@@ -736,6 +805,10 @@ export type Metrics = {
   cross_track_max_m: number | null;
   /** Mean distance from the exercise. */
   cross_track_mean_m: number | null;
+  /** Share of the time led by the patient in which the lean asked for nothing. */
+  dead_band_norm: number | null;
+  /** Effort of a metre: lean as a share of its range, times the time it is held, per metre. */
+  effort_s_m: number | null;
   exercise: ExerciseOrNull;
   /** How often patient-led walking was broken off: by a stop, a fault or the therapist. */
   interventions: number | null;
@@ -753,6 +826,8 @@ export type Metrics = {
   missing_s: number;
   /** Of that, time in which a wheel turned at 0.02 m/s or more. */
   motion_s: number;
+  /** Walk, turn, walk back: time of the way out. */
+  out_time_s: number | null;
   /** Share of the time in motion in which the patient led. */
   patient_led_norm: number | null;
   /** How often the hoist stopped by itself or by the emergency stop. */
@@ -773,12 +848,18 @@ export type Metrics = {
   session: number;
   /** Spectral arc length of the forward speed of the longest bout: nearer to 0 is smoother. */
   sparc: number | null;
+  /** From leaning to moving off: how long until the hoist follows at 0.05 m/s. */
+  start_latency_s: number | null;
   /** How much longer the harness takes from right to left than back, as a share of their mean. */
   step_asymmetry_norm: number | null;
   /** How alike successive steps are, left to right: 1 = all the same. */
   step_regularity_norm: number | null;
   /** 1 = left and right steps are as alike as successive strides. */
   step_symmetry_norm: number | null;
+  /** Steps taken in bouts of walking, two to a stride. */
+  steps: number | null;
+  /** Way that the hoist rolls after the patient has leant back. */
+  stopping_way_m: number | null;
   /** How often walking was interrupted for a second or longer. */
   stops: number | null;
   /** How alike successive strides are: 1 = all the same. */
@@ -787,6 +868,12 @@ export type Metrics = {
   stride_time_cv_norm: number | null;
   /** Time of a stride (two steps), from the sideways sway of the harness. */
   stride_time_s: number | null;
+  /** Way walked in the time of the task. */
+  task_distance_m: number | null;
+  /** Time that the task took, from the first movement to its end. */
+  task_time_s: number | null;
+  /** Mean speed over the timed middle of the line: setting off and stopping do not count. */
+  timed_speed_m_s: number | null;
   /** Which track was compared: with slip repaired, or the encoders' own. */
   track: 'fused' | 'encoders';
   /** Mean angle of the turns. */
@@ -795,6 +882,8 @@ export type Metrics = {
   turn_lead_s: number | null;
   /** Mean time of the turns. */
   turn_time_s: number | null;
+  /** Walk, turn, walk back: time of the turn. */
+  turning_time_s: number | null;
   /** Turns of the hoist to the left by 45 degrees or more. */
   turns_left: number | null;
   /** Turns of the hoist to the right by 45 degrees or more. */
@@ -879,7 +968,7 @@ export type NewUser = {
   user: UserName;
 };
 
-export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
+export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
 export type NodeHealth = {
   /** Since its latest process data; null = longer than 2.5 s or never. */
@@ -1125,7 +1214,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
 export type Recording = {
   detail: string;
@@ -1242,6 +1331,8 @@ export type Session = {
   started_utc_ms: number;
   stored_bytes: number;
   subject: string | null;
+  /** null: no repetition of a task. */
+  task: TaskRecord | null;
   /** null: no patient code is given. */
   visit: Visit | null;
 };
@@ -1354,6 +1445,87 @@ export type StreamRequest = {
 /** One line of plain text: at most 64 bytes of UTF-8. A code, never a name.. */
 export type SubjectCode = string;
 
+/** A clinical task: a file of db/tasks. */
+export type Task = {
+  /** At both ends of the line, walked but not timed. */
+  edge_m: number;
+  ends: {
+    by: TaskEnd;
+    goal: TaskRange;
+  };
+  /** What the patient is told. */
+  instruction: Words;
+  /** Modes in which it may be done. */
+  leads: readonly ('user' | 'remote' | 'guided')[];
+  /** Shape of its exercise; null = without a line. */
+  line: string | null;
+  name: string;
+  repetitions: TaskRange;
+  rest_s: TaskRange;
+  /** Figures of a session that are its results. */
+  results: readonly string[];
+  /** Sizes that may be adjusted, m; the others keep their proportion. */
+  sizes: Record<string, TaskRange>;
+  title: Words;
+  version: number;
+};
+
+/** What ends it: so many times along its line, seconds since the first movement, radians turned, or the therapist. */
+export type TaskEnd = 'distance' | 'time' | 'turn' | 'hand';
+
+export type TaskList = {
+  items: readonly Task[];
+};
+
+export type TaskRange = {
+  least: number;
+  most: number;
+  /** Of a button. */
+  step: number;
+  usual: number;
+};
+
+/** The task that a session is a repetition of. */
+export type TaskRecord = {
+  edge_m: number;
+  ends: TaskEnd;
+  goal: number;
+  repetition: number;
+  repetitions: number;
+  rest_s: number;
+  task: string;
+  version: number;
+};
+
+/** What is left out is as usual. */
+export type TaskRequest = {
+  clockwise?: boolean | null;
+  /** Of its end: times along the line, seconds, radians. */
+  goal?: number | null;
+  repetitions?: number | null;
+  rest_s?: number | null;
+  sizes?: Record<string, number> | null;
+  /** null: no task, only the exercise. */
+  task: string | null;
+};
+
+export type TaskState = {
+  /** Step of its first movement. */
+  begun_tick: number | null;
+  /** Step in which its motion ended: the rest is counted from here. */
+  ended_tick: number | null;
+  ends: TaskEnd;
+  goal: number;
+  /** Its end was reached. */
+  reached: boolean;
+  /** The latest one that was begun; 0 = none yet. */
+  repetition: number;
+  repetitions: number;
+  rest_s: number;
+  task: string;
+  version: number;
+};
+
 export type Ticket = {
   ticket: string;
 };
@@ -1437,6 +1609,10 @@ export type TrendFigures = {
   J_N: number | null;
   /** Squared error of the walk over time per metre of path: J_N without the sampling rate. */
   J_T_m_s: number | null;
+  /** Walk, turn, walk back: time of the way back. */
+  back_time_s: number | null;
+  /** Sudden leans far out, faster than this walk's own: losses of balance and catches. */
+  balance_events: number | null;
   /** Number of bouts of walking: a second or longer at more than 0.05 m/s. */
   bouts: number | null;
   /** Steps a minute, two to a stride. */
@@ -1447,6 +1623,10 @@ export type TrendFigures = {
   cross_track_max_m: number | null;
   /** Mean distance from the exercise. */
   cross_track_mean_m: number | null;
+  /** Share of the time led by the patient in which the lean asked for nothing. */
+  dead_band_norm: number | null;
+  /** Effort of a metre: lean as a share of its range, times the time it is held, per metre. */
+  effort_s_m: number | null;
   /** How often patient-led walking was broken off: by a stop, a fault or the therapist. */
   interventions: number | null;
   /** Shortest time for once along the exercise. */
@@ -1463,6 +1643,8 @@ export type TrendFigures = {
   missing_s: number;
   /** Of that, time in which a wheel turned at 0.02 m/s or more. */
   motion_s: number;
+  /** Walk, turn, walk back: time of the way out. */
+  out_time_s: number | null;
   /** Share of the time in motion in which the patient led. */
   patient_led_norm: number | null;
   /** How often the hoist stopped by itself or by the emergency stop. */
@@ -1479,12 +1661,18 @@ export type TrendFigures = {
   rms_position_m: number | null;
   /** Spectral arc length of the forward speed of the longest bout: nearer to 0 is smoother. */
   sparc: number | null;
+  /** From leaning to moving off: how long until the hoist follows at 0.05 m/s. */
+  start_latency_s: number | null;
   /** How much longer the harness takes from right to left than back, as a share of their mean. */
   step_asymmetry_norm: number | null;
   /** How alike successive steps are, left to right: 1 = all the same. */
   step_regularity_norm: number | null;
   /** 1 = left and right steps are as alike as successive strides. */
   step_symmetry_norm: number | null;
+  /** Steps taken in bouts of walking, two to a stride. */
+  steps: number | null;
+  /** Way that the hoist rolls after the patient has leant back. */
+  stopping_way_m: number | null;
   /** How often walking was interrupted for a second or longer. */
   stops: number | null;
   /** How alike successive strides are: 1 = all the same. */
@@ -1493,12 +1681,20 @@ export type TrendFigures = {
   stride_time_cv_norm: number | null;
   /** Time of a stride (two steps), from the sideways sway of the harness. */
   stride_time_s: number | null;
+  /** Way walked in the time of the task. */
+  task_distance_m: number | null;
+  /** Time that the task took, from the first movement to its end. */
+  task_time_s: number | null;
+  /** Mean speed over the timed middle of the line: setting off and stopping do not count. */
+  timed_speed_m_s: number | null;
   /** Mean angle of the turns. */
   turn_angle_rad: number | null;
   /** How much before the hoist the pelvis turns. */
   turn_lead_s: number | null;
   /** Mean time of the turns. */
   turn_time_s: number | null;
+  /** Walk, turn, walk back: time of the turn. */
+  turning_time_s: number | null;
   /** Turns of the hoist to the left by 45 degrees or more. */
   turns_left: number | null;
   /** Turns of the hoist to the right by 45 degrees or more. */
@@ -1581,6 +1777,8 @@ export type Walk = {
   motion_s: number | null;
   /** A point of the path each so many metres. */
   step_m: number;
+  /** Chosen for the next walks; null = none. */
+  task: TaskState | null;
   /** Newest step in what follows. */
   tick: number | null;
   x_m: readonly number[];
@@ -2070,6 +2268,15 @@ export interface Routes {
   /** STOP. Anyone may who was ever signed in; never refused, whatever the body. */
   'POST /api/v1/stop': {
     answer: Done;
+  };
+  /** Chooses the task of the next walks and its line, for all screens; each start on it is a repetition. null: none. */
+  'PUT /api/v1/task': {
+    body: TaskRequest;
+    answer: Done;
+  };
+  /** The clinical tasks: line, sizes with ranges, end, repetitions, rest, instruction, result figures. */
+  'GET /api/v1/tasks': {
+    answer: TaskList;
   };
   /** The hoist's clock, and how far the client's is from it. */
   'GET /api/v1/time': {

@@ -1,7 +1,7 @@
 // Joins the connection and the store, and offers the screens' actions. The only writer of the store.
 import { codedFaults, faults, modes, type FaultName } from '../contract/faults.gen';
 import { layoutHash } from '../contract/messages.gen';
-import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath } from '../contract/rest.gen';
+import type { CalibrationMeasure, CalibrationStep, Exercise, GuidedPath, ReasonCode, TaskRequest } from '../contract/rest.gen';
 import type { ParamName } from '../contract/params.gen';
 import { hasBit } from './bits';
 import { readFrame, type Sample } from './frame';
@@ -178,7 +178,7 @@ function takeText(message: Told): void {
       live.takeWalk(message);
       // A server restarted in the middle of a walk does not know its start.
       const begun = message.begun ?? (message.mark === null && live.record !== null ? now.begun : null);
-      writable.set({ exercise: message.exercise, begun });
+      writable.set({ exercise: message.exercise, task: message.task, begun });
       break;
     }
     case 'core':
@@ -382,6 +382,13 @@ const end: Question = { type: 'mode', mode: 'standby' };
 export const endMotion = (): Promise<Reply> => link.request(end);
 /** The exercise of the next walk, on all screens. */
 export const chooseExercise = (exercise: Exercise): Promise<Reply> => link.request({ type: 'choose', exercise });
+/** The clinical task of the next walks and its line, on all screens. Null: done; otherwise why not. */
+export async function chooseTask(task: TaskRequest): Promise<Reply | null> {
+  const answer = await rest('PUT /api/v1/task', { body: task });
+  if (answer.ok) return null;
+  const { code, errors, refusals } = answer.problem;
+  return { ok: false, detail: '', reason_code: code as ReasonCode, errors: [...errors], refusals: [...refusals] };
+}
 /** A start without an answer is followed by End: the hoist must not start after the screen has reported a failure. */
 export const requestMode = (mode: 'user' | 'remote', exercise: Exercise, start_again = false): Promise<Reply> =>
   withLease({ type: 'mode', mode, exercise, start_again }, end);

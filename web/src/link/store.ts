@@ -3,7 +3,7 @@ import { useEffect, useReducer, useRef } from 'preact/hooks';
 import { modes, type ModeName } from '../contract/faults.gen';
 import type { LeaseMessage, RecordingMessage } from '../contract/messages.gen';
 import { usualExercise } from '../contract/exercises.gen';
-import type { Exercise, GuidedPath, LanguageOrNull, ReasonCode, RecordingsHealth, StandingNotice } from '../contract/rest.gen';
+import type { Exercise, GuidedPath, LanguageOrNull, ReasonCode, RecordingsHealth, StandingNotice, TaskState } from '../contract/rest.gen';
 import type { LinkState } from './socket';
 
 export type Recording = Pick<RecordingMessage, 'state' | 'session' | 'standby' | 'started_utc_ms' | 'samples'> & {
@@ -55,6 +55,8 @@ export interface State {
   scenario: string | null;
   /** Chosen for the next walk, on all screens. */
   exercise: Exercise;
+  /** The clinical task of the next walks, on all screens; null: none. */
+  task: TaskState | null;
   /** Exercise at the start of the present or latest motion. Null: unknown. */
   begun: Exercise | GuidedPath | null;
   /** Null: not received yet. */
@@ -138,6 +140,7 @@ export const initial: State = {
   simulated: false,
   scenario: null,
   exercise: usualExercise.eight,
+  task: null,
   begun: null,
   coreConnected: null,
   coreReason: null,

@@ -13,6 +13,7 @@ import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
 import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
+import { TaskStrip } from '../../ui/task_strip';
 import './drive.css';
 
 const limits = [
@@ -70,6 +71,8 @@ export function DriveView() {
   const ready = useReadiness();
   const limit_m_s = useStore((s) => s.parameters.remote_speed_m_s_max ?? 0);
   const drawn = useStore(figure);
+  const task = useStore((s) => s.task);
+  const exercise = useStore((s) => s.exercise);
   const request = useRequest();
   const driving = mode === 'remote';
   const active = driving && ready.hand;
@@ -105,11 +108,12 @@ export function DriveView() {
           of="remote"
           startLabel={t('drive.take')}
           endLabel={t(driving ? 'drive.end' : 'walk.end')}
-          start={() => requestMode('remote', free)}
+          start={() => requestMode('remote', task === null ? free : exercise)}
         />
       </div>
       <Refusal request={request} />
       <StartBlockers request={request} of="remote" />
+      <TaskStrip />
       <div class="drive-body">
         <section class="card stick-card">
           <Joystick active={active} locked={!driving ? t('drive.locked') : ready.lead === 'mine' ? '' : t('guided.other')} />

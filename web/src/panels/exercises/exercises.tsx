@@ -1,86 +1,100 @@
-// GUIDED: the hoist drives a figure while the therapist holds hold-to-run. Choose it, see its floor space, start, hold.
+// Clinical tasks: choose one, adjust it, say who leads, start. Where the hoist leads, hold-to-run is here; the patient leads on Walk, the
+// therapist drives on Drive, both with the line on the floor view.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { requestGuided } from '../../link/console';
+import { chooseTask, requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
-import { useTopic } from '../../link/wants';
+import { useQuery } from '../../link/query';
 import { tooSlow, useReadiness } from '../../link/readiness';
+import { rest } from '../../link/rest';
+import type { Reply } from '../../link/socket';
 import { figure, useStore } from '../../link/store';
+import { useTopic } from '../../link/wants';
+import { addressOf, go } from '../../router';
+import type { Task, TaskRange } from '../../contract/rest.gen';
+import { exerciseRow } from '../../text/exercise';
 import { useSettings } from '../../text/settings';
-import { exerciseTitle, firstSize } from '../../text/exercise';
 import { degrees, duration, fixed, t, words } from '../../text/text';
+import { Trouble } from '../../ui/field';
 import { FloorView } from '../../ui/floor_view';
-import { fit, floorSpace, onScreen, patternPoints } from '../../ui/geometry';
+import { floorSpace } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
+import { TaskStrip } from '../../ui/task_strip';
 import {
+  adjustable,
   curveSpeed_m_s,
   duration_s,
   exerciseOf,
-  firstPlan,
+  isChosen,
   length_m,
   pathOf,
-  shapes,
-  sizeOf,
+  planOf,
+  requestOf,
+  speeds,
   stepped,
-  steps,
   withinCap,
+  type Lead,
   type Plan,
-  type Shape,
 } from './plan';
 import './exercises.css';
 
 /** Kept while the console is open, also across screens. */
-let kept: Plan = firstPlan;
+let kept: Plan | null = null;
 
-/** Figures are drawn to a common scale: frame size in metres. */
-function ShapePicture({ shape }: { shape: Shape }) {
-  const size = 40;
-  const points = patternPoints(exerciseOf({ ...firstPlan, shape, length_m: 2.6, side_m: 2.2, radius_m: 1.2, eight_m: 0.75 }));
-  const frame = fit(points, size, size, 0.2, 1);
-  const line = points.map((p) => onScreen(p, frame, size, size)).map(({ left, top }) => `${left.toFixed(1)},${top.toFixed(1)}`);
-  return (
-    <svg class="shape-picture" viewBox={`0 0 ${size} ${size}`} aria-hidden="true">
-      <polyline points={line.join(' ')} />
-    </svg>
-  );
+interface StepperProps {
+  label: string;
+  text: string;
+  range: TaskRange;
+  value: number;
+  change: (value: number) => void;
 }
-
-function Stepper({ label, text, by, low, high }: { label: string; text: string; by: (step: 1 | -1) => void; low: boolean; high: boolean }) {
+function Stepper({ label, text, range, value, change }: StepperProps) {
   return (
     <div class="stepper" role="group" aria-label={label}>
       <span class="stepper-label">{label}</span>
-      <button type="button" class="plain" aria-label={t('guided.less', { what: label })} disabled={low} onClick={() => by(-1)}>
+      <button
+        type="button"
+        class="plain"
+        aria-label={t('guided.less', { what: label })}
+        disabled={value <= range.least + 1e-6}
+        onClick={() => change(stepped(range, value, -1))}
+      >
         −
       </button>
       <span class="stepper-value num">{text}</span>
-      <button type="button" class="plain" aria-label={t('guided.more', { what: label })} disabled={high} onClick={() => by(1)}>
+      <button
+        type="button"
+        class="plain"
+        aria-label={t('guided.more', { what: label })}
+        disabled={value >= range.most - 1e-6}
+        onClick={() => change(stepped(range, value, 1))}
+      >
         +
       </button>
     </div>
   );
 }
 
-function Pair({
-  label,
-  options,
-  chosen,
-  choose,
-}: {
-  label: string;
-  options: readonly [string, string];
-  chosen: 0 | 1;
-  choose: (which: 0 | 1) => void;
-}) {
+function Direction({ plan, change }: { plan: Plan; change: (part: Partial<Plan>) => void }) {
+  // An eight begins with the right loop, every other figure turns left.
+  const eight = plan.task.line === 'eight';
+  const label = t(eight ? 'guided.firstLoop' : 'guided.side2');
   return (
     <div class="stepper">
       <span class="stepper-label">{label}</span>
       <div class="choice" role="radiogroup" aria-label={label}>
-        {options.map((text, which) => (
-          <button key={text} type="button" role="radio" aria-checked={which === chosen} onClick={() => choose(which as 0 | 1)}>
-            {text}
+        {([false, true] as const).map((right) => (
+          <button
+            key={String(right)}
+            type="button"
+            role="radio"
+            aria-checked={(plan.clockwise !== eight) === right}
+            onClick={() => change({ clockwise: right !== eight })}
+          >
+            {t(right ? 'guided.right' : 'guided.left')}
           </button>
         ))}
       </div>
@@ -88,50 +102,67 @@ function Pair({
   );
 }
 
+function Goal({ plan, change }: { plan: Plan; change: (part: Partial<Plan>) => void }) {
+  const { by, goal } = plan.task.ends;
+  if (!adjustable(goal)) return null;
+  const time = by === 'time';
+  return (
+    <Stepper
+      label={t(time ? 'task.time' : 'guided.laps')}
+      text={time ? `${duration(plan.goal)} min` : fixed(plan.goal, 0)}
+      range={goal}
+      value={plan.goal}
+      change={(value) => change({ goal: value })}
+    />
+  );
+}
+
 function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: Partial<Plan>) => void; speedMost_m_s: number }) {
-  const size = sizeOf[plan.shape];
-  const most = { ...steps.speed_m_s, most: Math.max(steps.speed_m_s.least, Math.min(steps.speed_m_s.most, speedMost_m_s)) };
+  const { task } = plan;
+  const row = exerciseRow(exerciseOf(plan).shape);
   return (
     <div class="guided-settings">
-      <Stepper
-        label={words(firstSize(plan.shape).title)}
-        text={`${fixed(plan[size], 1)} m`}
-        low={plan[size] <= steps[size].least}
-        high={plan[size] >= steps[size].most}
-        by={(by) => change({ [size]: stepped(steps[size], plan[size], by) })}
-      />
-      <Stepper
-        label={t('guided.speed')}
-        text={`${fixed(plan.speed_m_s, 2)} m/s`}
-        low={plan.speed_m_s <= most.least}
-        high={plan.speed_m_s >= most.most - 1e-6}
-        by={(by) => change({ speed_m_s: stepped(most, plan.speed_m_s, by) })}
-      />
-      {plan.shape === 'straight' ? null : (
-        <>
+      {row.sizes
+        .filter(({ name }) => task.sizes[name] !== undefined)
+        .map(({ name, title }) => (
           <Stepper
-            label={t('guided.laps')}
-            text={fixed(plan.laps, 0)}
-            low={plan.laps <= steps.laps.least}
-            high={plan.laps >= steps.laps.most}
-            by={(by) => change({ laps: stepped(steps.laps, plan.laps, by) })}
+            key={name}
+            label={words(title)}
+            text={
+              plan.sizes[name] === 0
+                ? t('guided.sharp')
+                : `${fixed(plan.sizes[name], task.sizes[name]!.step < 0.1 || task.sizes[name]!.step === 0.25 ? 2 : 1)} m`
+            }
+            range={task.sizes[name]!}
+            value={plan.sizes[name]!}
+            change={(value) => change({ sizes: { ...plan.sizes, [name]: value } })}
           />
-          <Pair
-            label={t(plan.shape === 'eight' ? 'guided.firstLoop' : 'guided.side2')}
-            options={[t('guided.left'), t('guided.right')]}
-            chosen={(plan.shape === 'eight') === plan.clockwise ? 0 : 1}
-            choose={(which) => change({ clockwise: (which === 1) !== (plan.shape === 'eight') })}
-          />
-        </>
-      )}
-      {plan.shape === 'square' ? (
-        <Pair
-          label={t('guided.corners')}
-          options={[t('guided.sharp'), t('guided.round')]}
-          chosen={plan.round ? 1 : 0}
-          choose={(which) => change({ round: which === 1 })}
+        ))}
+      <Goal plan={plan} change={change} />
+      {row.turned ? <Direction plan={plan} change={change} /> : null}
+      {plan.lead === 'guided' ? (
+        <Stepper
+          label={t('guided.speed')}
+          text={`${fixed(plan.speed_m_s, 2)} m/s`}
+          range={{ ...speeds, most: Math.max(speeds.least, Math.min(speeds.most, speedMost_m_s)) }}
+          value={plan.speed_m_s}
+          change={(speed_m_s) => change({ speed_m_s })}
         />
       ) : null}
+      <Stepper
+        label={t('task.repetitions')}
+        text={fixed(plan.repetitions, 0)}
+        range={task.repetitions}
+        value={plan.repetitions}
+        change={(repetitions) => change({ repetitions })}
+      />
+      <Stepper
+        label={t('task.rest')}
+        text={`${duration(plan.rest_s)} min`}
+        range={task.rest_s}
+        value={plan.rest_s}
+        change={(rest_s) => change({ rest_s })}
+      />
     </div>
   );
 }
@@ -151,88 +182,170 @@ function Progress() {
   );
 }
 
+function Led() {
+  return (
+    <div class="readings guided-readings">
+      <Reading label={t('guided.remaining')} unit="m" topic="exercise" read={(r) => fixed(r.guided_remaining_m, 1)} />
+      <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
+      <Reading label={t('guided.offLine')} unit="cm" topic="exercise" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
+      <Reading label={t('walk.lean')} topic="posture" read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
+      <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
+    </div>
+  );
+}
+
+/** Floor and time that the line takes. */
+function Needs({ plan, yawLimit_rad_s }: { plan: Plan; yawLimit_rad_s: number }) {
+  if (plan.task.line === null) return <p class="guided-needs">{t('task.noLine')}</p>;
+  const space = floorSpace(exerciseOf(plan));
+  const curve = plan.lead === 'guided' ? curveSpeed_m_s(plan, yawLimit_rad_s) : null;
+  return (
+    <p class="guided-needs">
+      <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
+      {plan.lead === 'guided' ? t('guided.takes', { length: fixed(length_m(plan), 1), time: duration(duration_s(plan, yawLimit_rad_s)) }) : null}
+      {curve === null ? '' : ` ${t('guided.slower', { speed: fixed(curve, 2) })}`}
+    </p>
+  );
+}
+
+const leadTitle = { user: 'task.patient', remote: 'task.therapist', guided: 'task.hoist' } as const satisfies Record<Lead, string>;
+
+function Choice({ tasks, plan, led, choose }: { tasks: readonly Task[]; plan: Plan; led: boolean; choose: (plan: Plan) => void }) {
+  return (
+    <>
+      <label class="field task-field">
+        <span>{t('task.label')}</span>
+        <select
+          value={plan.task.name}
+          disabled={led}
+          onChange={(event) =>
+            choose(
+              planOf(
+                tasks.find(({ name }) => name === event.currentTarget.value)!,
+                plan,
+              ),
+            )
+          }
+        >
+          {tasks.map(({ name, title }) => (
+            <option key={name} value={name}>
+              {words(title)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <div class="choice" role="radiogroup" aria-label={t('task.leads')}>
+        {(['user', 'remote', 'guided'] as const).map((lead) => (
+          <button
+            key={lead}
+            type="button"
+            role="radio"
+            aria-checked={plan.lead === lead}
+            disabled={led || !plan.task.leads.includes(lead)}
+            onClick={() => choose({ ...plan, lead })}
+          >
+            {t(leadTitle[lead])}
+          </button>
+        ))}
+      </div>
+    </>
+  );
+}
+
 export function ExercisesView() {
   useSettings();
+  const asked = useQuery(() => rest('GET /api/v1/tasks'), []);
+  const tasks = asked.value?.items ?? [];
+  const chosen = useStore((s) => s.task);
+  const [plan, setPlan] = useState(kept);
+  useEffect(() => {
+    // What another screen has chosen comes first.
+    const first = tasks.find(({ name }) => name === chosen?.task) ?? tasks[0];
+    if (plan === null && first !== undefined) setPlan((kept = planOf(first)));
+  }, [tasks.length]);
+  if (plan === null)
+    return (
+      <div class="drive guided">
+        <Trouble problem={asked.problem} retry={asked.retry} />
+        {asked.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+      </div>
+    );
+  return <Chosen tasks={tasks.length > 0 ? tasks : [plan.task]} plan={plan} setPlan={(next) => setPlan((kept = next))} />;
+}
+
+function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; setPlan: (plan: Plan) => void }) {
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
   const begun = useStore(figure);
+  const chosen = useStore((s) => s.task);
+  const exercise = useStore((s) => s.exercise);
   const parameters = useStore((s) => s.parameters);
-  const [plan, setPlan] = useState(kept);
   const request = useRequest();
   const guided = mode === 'guided';
   const driven = ready.led;
   const rtt_s = useStore((s) => s.rtt_s);
   const slow = tooSlow({ rtt_s });
-  // The driven path stays until the next choice.
+  // The walked path stays until the next choice.
   const [justDone, setJustDone] = useState(false);
   const active = guided && ready.hand;
   const speedMost_m_s = (parameters.speed_m_s_max ?? 0.6) * (parameters.speed_cap_norm ?? 1);
   const yawLimit_rad_s = Math.min(parameters.remote_yaw_rate_rad_s_max ?? 0.5, parameters.yaw_rate_rad_s_max ?? 0.5);
 
-  const change = (part: Partial<Plan>) => {
-    kept = { ...plan, ...part };
-    setPlan(kept);
+  const choose = (next: Plan) => {
+    setPlan(next);
     request.forget();
     setJustDone(false);
   };
+  const change = (part: Partial<Plan>) => choose({ ...plan, ...part });
   useEffect(() => {
     if (!guided) return;
     request.forget();
     setJustDone(true);
   }, [guided]);
 
-  const exercise = useRef({ plan, figure: exerciseOf(plan) });
-  if (exercise.current.plan !== plan) exercise.current = { plan, figure: exerciseOf(plan) };
-  const space = floorSpace(exercise.current.figure);
   // The shown value is the requested one: a choice above the limit in force is disabled until the limit rises.
   const allowed = withinCap(plan, speedMost_m_s);
-  const curve = curveSpeed_m_s(allowed, yawLimit_rad_s);
+  const line = useRef({ plan, exercise: exerciseOf(plan) });
+  if (line.current.plan !== plan) line.current = { plan, exercise: exerciseOf(plan) };
+  const { lead } = plan;
+
+  const start = async (again: boolean): Promise<Reply> => {
+    if (!isChosen(plan, chosen, exercise)) {
+      const refused = await chooseTask(requestOf(plan));
+      if (refused !== null) return refused;
+    }
+    if (lead === 'guided') return requestGuided(pathOf(allowed), again);
+    const reply = await requestMode(lead, line.current.exercise, again);
+    if (reply.ok) go(addressOf(lead === 'user' ? 'walk' : 'drive'));
+    return reply;
+  };
 
   return (
     <div class="drive guided">
-      <div class="walk-controls">
-        <div class="choice shapes" role="radiogroup" aria-label={t('exercise.label')}>
-          {shapes.map((shape) => (
-            <button key={shape} type="button" role="radio" aria-checked={plan.shape === shape} disabled={driven} onClick={() => change({ shape })}>
-              <ShapePicture shape={shape} />
-              <span>{exerciseTitle(shape)}</span>
-            </button>
-          ))}
-        </div>
-        <StartEnd
-          request={request}
-          of="guided"
-          startLabel={t('guided.start')}
-          endLabel={t(guided ? 'guided.end' : 'walk.end')}
-          start={(again) => requestGuided(pathOf(allowed), again)}
-        />
+      <div class="walk-controls task-controls">
+        <Choice tasks={tasks} plan={plan} led={driven} choose={choose} />
+        <StartEnd request={request} of={lead} startLabel={t('task.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={start} />
       </div>
       <Refusal request={request} />
-      <StartBlockers request={request} of="guided" />
+      <StartBlockers request={request} of={lead} />
+      <TaskStrip />
       <div class="drive-body">
         <section class="card guided-card">
-          {guided ? (
-            <div class="readings guided-readings">
-              <Reading label={t('guided.remaining')} unit="m" topic="exercise" read={(r) => fixed(r.guided_remaining_m, 1)} />
-              <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
-              <Reading label={t('guided.offLine')} unit="cm" topic="exercise" read={(r) => fixed(Math.abs(r.guided_cross_track_m) * 100, 0)} />
-              <Reading label={t('walk.lean')} topic="posture" read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
-              <Reading label={t('walk.stopDistance')} unit="cm" topic="motion" read={(r) => fixed(Math.ceil(r.stop_distance_m * 100), 0)} />
-            </div>
+          <p class="task-instruction">{words(plan.task.instruction)}</p>
+          {guided ? <Led /> : <Settings plan={allowed} change={change} speedMost_m_s={speedMost_m_s} />}
+          <Needs plan={allowed} yawLimit_rad_s={yawLimit_rad_s} />
+          {lead === 'guided' || guided ? (
+            <>
+              <Progress />
+              <HoldToGo active={active} locked={guided && slow ? tooSlowText(rtt_s) : t(guided ? 'guided.other' : 'guided.locked')} />
+              <SlowLink calm={t('guided.hint')} />
+            </>
           ) : (
-            <Settings plan={allowed} change={change} speedMost_m_s={speedMost_m_s} />
+            <p class="hint">{t(lead === 'user' ? 'task.onWalk' : 'task.onDrive')}</p>
           )}
-          <p class="guided-needs">
-            <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
-            {t('guided.takes', { length: fixed(length_m(allowed), 1), time: duration(duration_s(allowed, yawLimit_rad_s)) })}
-            {curve === null ? '' : ` ${t('guided.slower', { speed: fixed(curve, 2) })}`}
-          </p>
-          <Progress />
-          <HoldToGo active={active} locked={guided && slow ? tooSlowText(rtt_s) : t(guided ? 'guided.other' : 'guided.locked')} />
-          <SlowLink calm={t('guided.hint')} />
         </section>
         <section class="card floor-card">
-          <FloorView exercise={driven ? begun : exercise.current.figure} planned={!driven && !justDone} />
+          <FloorView exercise={driven ? begun : line.current.exercise} planned={!driven && !justDone && plan.task.line !== null} />
         </section>
       </div>
     </div>

@@ -1,98 +1,123 @@
-// The choices of an exercise, and what follows: the requested path, its floor space, its duration.
-import { exercises, usualExercise } from '../../contract/exercises.gen';
-import type { Exercise, GuidedPath } from '../../contract/rest.gen';
-import { patternPoints } from '../../ui/geometry';
+// A clinical task as it is to be done: its sizes and numbers, who leads, and what follows: the line, the request to the hoist, floor and time.
+import { exercises } from '../../contract/exercises.gen';
+import type { Exercise, GuidedPath, Task, TaskRange, TaskRequest, TaskState } from '../../contract/rest.gen';
+import { patternPoints, slalomCurve } from '../../ui/geometry';
 
-export type Shape = GuidedPath['shape'];
-export const shapes: readonly Shape[] = exercises.flatMap(({ shape }) => (shape === 'free' ? [] : [shape]));
+export type Lead = Task['leads'][number];
 
 export interface Plan {
-  shape: Shape;
-  length_m: number;
-  side_m: number;
-  round: boolean;
-  radius_m: number;
-  eight_m: number;
+  task: Task;
+  lead: Lead;
+  /** Those that the task adjusts, by name. */
+  sizes: Readonly<Record<string, number>>;
+  /** Of the task's end: times along the line, seconds, radians. */
+  goal: number;
   clockwise: boolean;
+  repetitions: number;
+  rest_s: number;
+  /** Where the hoist leads. */
   speed_m_s: number;
-  laps: number;
 }
-export const firstPlan: Plan = {
-  shape: 'straight',
-  length_m: usualExercise.straight.length_m,
-  side_m: usualExercise.square.side_m,
-  round: false,
-  radius_m: usualExercise.circle.radius_m,
-  eight_m: usualExercise.eight.c_m,
+
+/** A task as its file has it. Who leads stays, where the task allows it. */
+export const planOf = (task: Task, before?: Pick<Plan, 'lead' | 'speed_m_s'>): Plan => ({
+  task,
+  lead: before !== undefined && task.leads.includes(before.lead) ? before.lead : task.leads[0]!,
+  sizes: Object.fromEntries(Object.entries(task.sizes).map(([name, range]) => [name, range.usual])),
+  goal: task.ends.goal.usual,
   clockwise: false,
-  speed_m_s: 0.3,
-  laps: 1,
-};
+  repetitions: task.repetitions.usual,
+  rest_s: task.rest_s.usual,
+  speed_m_s: before?.speed_m_s ?? 0.3,
+});
 
-export interface Step {
-  least: number;
-  most: number;
-  step: number;
-}
-/** Steps of the buttons; the hoist also checks its own limits. */
-export const steps = {
-  length_m: { least: 1, most: 50, step: 0.5 },
-  side_m: { least: 1, most: 10, step: 0.2 },
-  radius_m: { least: 0.4, most: 5, step: 0.1 },
-  eight_m: { least: 0.5, most: 4, step: 0.1 },
-  speed_m_s: { least: 0.1, most: 0.6, step: 0.05 },
-  laps: { least: 1, most: 20, step: 1 },
-} as const satisfies Partial<Record<keyof Plan, Step>>;
-export type Stepped = keyof typeof steps;
-/** The size that a shape is changed by. */
-export const sizeOf: Record<Shape, Stepped> = { straight: 'length_m', square: 'side_m', circle: 'radius_m', eight: 'eight_m' };
+/** What the speed buttons offer; the hoist also checks its own limits. */
+export const speeds: TaskRange = { usual: 0.3, least: 0.1, most: 0.6, step: 0.05 };
+export const adjustable = (range: TaskRange): boolean => range.most > range.least;
 
-/** One step up or down, on the grid of the steps and within their ends. */
-export function stepped({ least, most, step }: Step, value: number, by: 1 | -1): number {
+/** One step up or down, on the grid of the steps and within the range's ends. */
+export function stepped({ least, most, step }: TaskRange, value: number, by: 1 | -1): number {
   const next = Math.round(value / step + by) * step;
   return Number(Math.min(most, Math.max(least, next)).toFixed(3));
 }
 
-/** The plan as the hoist may drive it now: not faster than this patient's limit. */
+/** The plan as the hoist may lead it now: not faster than this patient's limit. */
 export const withinCap = (plan: Plan, speedMost_m_s: number): Plan => ({ ...plan, speed_m_s: Math.min(plan.speed_m_s, speedMost_m_s) });
 
-const cornerRadius_m = 0.5;
-/** Loops a little smaller than half of the figure, so that they meet in a crossing. */
-const loopShare = usualExercise.eight.radius_m / usualExercise.eight.c_m;
+const rowOf = (task: Task) => exercises.find((row) => row.shape === (task.line ?? 'free'))!;
+
+/** The line for drawing, walking and recording. A size that the task does not adjust keeps its proportion to the first. */
+export function exerciseOf(plan: Plan): Exercise {
+  const row = rowOf(plan.task);
+  const first = row.sizes[0];
+  const scale = first === undefined ? 1 : (plan.sizes[first.name] ?? first.usual_m) / first.usual_m;
+  const sizes = row.sizes.flatMap(({ name, required, usual_m }) => {
+    const value = plan.sizes[name] ?? usual_m * scale;
+    return required || value > 0 ? [[name, Number(value.toFixed(6))] as const] : [];
+  });
+  return { shape: row.shape, ...Object.fromEntries(sizes), ...(row.turned && plan.clockwise ? { clockwise: true } : {}) } as Exercise;
+}
+
+/** How often the line is gone along. For a walk of a given time: often enough for the whole of it. */
+export function laps(plan: Plan): number {
+  if (!rowOf(plan.task).closed) return 1;
+  if (plan.task.ends.by === 'distance') return plan.goal;
+  return plan.task.ends.by === 'time' ? Math.min(50, Math.max(1, Math.ceil((plan.goal * plan.speed_m_s) / lineLength_m(plan)))) : 1;
+}
 
 export function pathOf(plan: Plan): GuidedPath {
-  const { speed_m_s, laps, clockwise } = plan;
-  switch (plan.shape) {
-    case 'straight':
-      return { shape: 'straight', length_m: plan.length_m, speed_m_s };
-    case 'square':
-      return { shape: 'square', side_m: plan.side_m, ...(plan.round ? { corner_radius_m: cornerRadius_m } : {}), clockwise, speed_m_s, laps };
-    case 'circle':
-      return { shape: 'circle', radius_m: plan.radius_m, clockwise, speed_m_s, laps };
-    case 'eight':
-      return { shape: 'eight', c_m: plan.eight_m, radius_m: Number((loopShare * plan.eight_m).toFixed(3)), clockwise, speed_m_s, laps };
-  }
+  return { ...exerciseOf(plan), speed_m_s: plan.speed_m_s, ...(rowOf(plan.task).closed ? { laps: laps(plan) } : {}) } as GuidedPath;
 }
 
-/** The figure alone, for drawing and recording. */
-export function exerciseOf(plan: Plan): Exercise {
-  const { speed_m_s: _speed, laps: _laps, ...figure } = pathOf(plan);
-  return figure;
+export const requestOf = (plan: Plan): TaskRequest => ({
+  task: plan.task.name,
+  ...(Object.keys(plan.sizes).length > 0 ? { sizes: { ...plan.sizes } } : {}),
+  ...(rowOf(plan.task).turned && plan.clockwise ? { clockwise: true } : {}),
+  goal: plan.goal,
+  repetitions: plan.repetitions,
+  rest_s: plan.rest_s,
+});
+
+/** Whether this plan is chosen already: choosing it again would begin its repetitions anew. */
+export function isChosen(plan: Plan, state: TaskState | null, exercise: Exercise): boolean {
+  const mine = exerciseOf(plan);
+  const alike = (a: Exercise, b: Exercise): boolean =>
+    Object.entries(a).every(([name, value]) => {
+      const other = (b as Record<string, unknown>)[name];
+      return typeof value === 'number' && typeof other === 'number' ? Math.abs(value - other) < 1e-6 : value === other;
+    });
+  return (
+    state !== null &&
+    state.task === plan.task.name &&
+    state.goal === plan.goal &&
+    state.repetitions === plan.repetitions &&
+    state.rest_s === plan.rest_s &&
+    alike(mine, exercise) &&
+    alike(exercise, mine)
+  );
 }
 
-export function length_m(plan: Plan): number {
+/** Length of the line, once along it. */
+export function lineLength_m(plan: Plan): number {
   const points = patternPoints(exerciseOf(plan));
   let sum = 0;
   for (let i = 1; i < points.length; i++) sum += Math.hypot(points[i]!.x - points[i - 1]!.x, points[i]!.y - points[i - 1]!.y);
-  return plan.shape === 'straight' ? sum : sum * plan.laps;
+  return sum;
 }
+export const length_m = (plan: Plan): number => lineLength_m(plan) * laps(plan);
 
 /** The share of the turning limit that the hoist takes in a curve (guided_path.hpp). */
 const yawShare = 0.8;
+
+function curveRadius_m(exercise: Exercise): number {
+  if (exercise.shape === 'straight' || exercise.shape === 'free') return 0;
+  if (exercise.shape === 'square') return exercise.corner_radius_m ?? 0;
+  return exercise.shape === 'slalom' ? slalomCurve * exercise.spacing_m : exercise.radius_m;
+}
+
 /** The speed in the tightest curve, when it is below the chosen one; null when no curve slows the hoist. */
 export function curveSpeed_m_s(plan: Plan, yawLimit_rad_s: number): number | null {
-  const path = pathOf(plan);
-  const radius = path.shape === 'straight' ? 0 : path.shape === 'square' ? (path.corner_radius_m ?? 0) : path.radius_m;
+  const radius = curveRadius_m(exerciseOf(plan));
   if (radius <= 0 || yawLimit_rad_s <= 0) return null;
   const most = yawShare * yawLimit_rad_s * radius;
   return most < plan.speed_m_s - 0.005 ? most : null;
@@ -100,10 +125,14 @@ export function curveSpeed_m_s(plan: Plan, yawLimit_rad_s: number): number | nul
 
 /** Duration in seconds without a release: the path, slower in curves, and the turns in sharp corners. */
 export function duration_s(plan: Plan, yawLimit_rad_s: number): number {
+  if (plan.task.ends.by === 'time') return plan.goal;
   const ramp_s = 2;
+  const { line } = plan.task;
+  const exercise = exerciseOf(plan);
   const curve = curveSpeed_m_s(plan, yawLimit_rad_s);
-  const speed = plan.shape === 'circle' || plan.shape === 'eight' ? (curve ?? plan.speed_m_s) : plan.speed_m_s;
-  const corners = plan.shape === 'square' && !plan.round ? 4 * plan.laps : 0;
+  const curved = line === 'circle' || line === 'eight' || line === 'slalom';
+  const speed = curved ? (curve ?? plan.speed_m_s) : plan.speed_m_s;
+  const corners = exercise.shape === 'square' && (exercise.corner_radius_m ?? 0) === 0 ? 4 * laps(plan) : 0;
   const corner_s = yawLimit_rad_s > 0 ? Math.PI / 2 / (yawShare * yawLimit_rad_s) + 3 : 0;
   return length_m(plan) / speed + ramp_s + corners * corner_s;
 }

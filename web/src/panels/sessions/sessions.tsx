@@ -14,6 +14,7 @@ import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
+import { useTaskTitles } from '../../ui/task_titles';
 import { TextField } from '../../ui/text_field';
 import { eventText } from '../../ui/event_text';
 import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
@@ -48,7 +49,9 @@ const unprocessable = 422;
 const samplesOf = (id: number, columns: string, points: number) =>
   rest('GET /api/v1/sessions/{id}/samples', { path: { id }, query: { columns, points } });
 
-function exerciseName(exercise: Exercise | null): string {
+/** What was walked: the task with its repetition, else the exercise. */
+function walkName({ exercise, task }: Pick<Session, 'exercise' | 'task'>, titleOf: (task: string) => string): string {
+  if (task !== null) return `${titleOf(task.task)}, ${fixed(task.repetition, 0)}/${fixed(task.repetitions, 0)}`;
   return exerciseTitle(exercise === null ? 'free' : exercise.shape);
 }
 
@@ -87,6 +90,7 @@ function useSessionList(search: string, recording: string) {
 
 export function SessionsView({ part }: PanelProps) {
   useSettings();
+  const titleOf = useTaskTitles();
   const [search, setSearch] = useState('');
   const chosen = part !== null && /^\d+$/.test(part) ? Number(part) : null;
   const [leaving, setLeaving] = useState<number | null>(null); // Undo can still keep it
@@ -170,7 +174,7 @@ export function SessionsView({ part }: PanelProps) {
                 <strong>{date(item.started_utc_ms)}</strong>
                 <span class="num">{item.recording ? t('sessions.running') : duration(item.duration_s)}</span>
                 <span>
-                  {exerciseName(item.exercise)}
+                  {walkName(item, titleOf)}
                   {item.subject ? ` · ${item.subject}` : ''}
                 </span>
                 {item.simulated ? <small>{t('sessions.simulated')}</small> : <small />}
@@ -200,6 +204,7 @@ export function SessionsView({ part }: PanelProps) {
 const chart = new Lazy(async () => (await import('./chart')).Chart);
 
 function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; onChange: () => void }) {
+  const titleOf = useTaskTitles();
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
   const drawn = useLazy(chart);
@@ -277,7 +282,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: () => void; 
           <a class="quiet only-narrow" href={addressOf('sessions')}>
             ‹ {t('sessions.back')}
           </a>
-          <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${exerciseName(session.exercise)}`}</h2>
+          <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${walkName(session, titleOf)}`}</h2>
           <Export id={id} />
           <button type="button" class="plain last" disabled={session?.recording !== false} onClick={onDelete}>
             {t('sessions.delete')}

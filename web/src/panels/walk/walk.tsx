@@ -14,6 +14,7 @@ import { HoistPicture } from '../../ui/hoist_picture';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { StartEnd } from '../../ui/start_end';
+import { TaskStrip } from '../../ui/task_strip';
 import './walk.css';
 
 /** The server's default for its scenario comes first. */
@@ -82,6 +83,7 @@ export function WalkView() {
       <Refusal request={request} />
       <Refusal request={aside} />
       <StartBlockers request={request} of="user" />
+      <TaskStrip />
       <div class="walk-body">
         <section class="card floor-card">
           <FloorView exercise={drawn} />
