@@ -31,13 +31,13 @@ void TaskRun::choose(std::optional<db::TaskChoice> choice) {
   const auto mark = mark_;
   *this = TaskRun{};
   mark_ = mark;
-  choice_ = std::move(choice);
+  choice_ = choice;
 }
 
 void TaskRun::forget() {
-  auto choice = std::move(choice_);
+  const auto choice = choice_;
   *this = TaskRun{};
-  choice_ = std::move(choice);
+  choice_ = choice;
 }
 
 std::optional<db::TaskRecord> TaskRun::next(const Exercise& exercise, Mode mode, bool again) const {
