@@ -196,7 +196,8 @@ TEST_F(StudyJob, ItRestsWhileTheHoistMoves) {
 
 // A deletion truncates the log at once; the study reads nothing then, and does not begin again from its start.
 TEST_F(StudyJob, ADeletionDoesNotBeginItAgain) {
-  ASSERT_EQ(ended(start())["state"], "done");
+  const json first = ended(start());
+  ASSERT_EQ(first["state"], "done") << first;
   script("while [ ! -e " + (folder_ / "go").string() + " ]; do sleep 0.05; done; cp " + (folder_ / "made.db").string() + " \"$out\"");
   std::filesystem::remove(folder_ / "pid");
   const std::string place = start();
