@@ -103,6 +103,8 @@ class StudyJob : public ServerTest {
     return line;
   }
   std::string start() {
+    // A new file of recordings is set up in the background first.
+    EXPECT_TRUE(until([&] { return get("/api/v1/sessions").status == 200 && get("/api/v1/studies").status == 200; }));
     const Answer started = call("POST", "/api/v1/jobs", {{"kind", "study"}, {"subjects", 2}, {"seed", 4}});
     EXPECT_EQ(started.status, 202) << started.body;
     return started.header("location");
