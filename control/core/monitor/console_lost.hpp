@@ -1,4 +1,4 @@
-// H21: nobody is in control of a hoist that was led, because the console is gone. Patient-led walking goes on; the hoist calls for somebody.
+// H21: the console in control of a hoist that was led is gone, and no other has taken over. Patient-led walking goes on; the alarm calls a person.
 #pragma once
 #include "control/core/monitor/monitor.hpp"
 

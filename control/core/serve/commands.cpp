@@ -258,7 +258,7 @@ Verdict ask_acknowledge(CoreState& state, const Command& command) noexcept {
 
 // ----- alarms -----
 
-/// Pauses the sound of the alarms in force (a = 1), or ends the pause. Whoever stands beside the hoist may: no lease is needed.
+/// Pauses the sound of the alarms in force (a = 1), or ends the pause. Needs no lease: the therapist beside the hoist may not be the one in control.
 Verdict pause_alarm(CoreState& state, const Command& command) noexcept {
   if (command.b != static_cast<std::uint32_t>(contract::Role::therapist) &&
       command.b != static_cast<std::uint32_t>(contract::Role::engineer))

@@ -145,7 +145,7 @@ TEST_F(StudyJob, ItsSessionsTablesAndDrawingsComeAmongTheRecordings) {
   EXPECT_EQ(drawing.body, "<svg/>");
   for (const char* none : {"/api/v1/studies/2", "/api/v1/studies/x", "/api/v1/studies/1/drawings/figure-9"})
     EXPECT_EQ(get(none).status, 404) << none;
-  // Marked on the list of sessions, whole, and nobody's.
+  // Marked on the list of sessions, whole, and of no patient.
   const json sessions = get("/api/v1/sessions").json()["items"];
   ASSERT_EQ(sessions.size(), 2U);
   EXPECT_EQ(sessions[0]["study"], (json{{"study", 1}, {"subject", "S02"}, {"run", 3}}));
