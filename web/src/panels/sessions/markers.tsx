@@ -7,6 +7,7 @@ import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { duration, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
+import { FormButtons } from '../../ui/form_buttons';
 import { readDuration } from './model';
 import '../../ui/rows.css';
 
@@ -132,17 +133,11 @@ function Edit({ marker, save, remove, close }: EditProps) {
       </label>
       <Field label={t('marker.text')} hint={t('marker.textHint')} value={text} most={textMost} onValue={setText} />
       <Field label={t('marker.time')} hint={t('marker.timeHint')} value={time} onValue={setTime} />
-      <div class="form-buttons">
-        <button type="submit" class="plain primary" disabled={!ready}>
-          {t('common.save')}
-        </button>
-        <button type="button" class="quiet" onClick={close}>
-          {t('common.cancel')}
-        </button>
+      <FormButtons ready={ready} close={close}>
         <button type="button" class="plain last" onClick={remove}>
           {t('marker.delete')}
         </button>
-      </div>
+      </FormButtons>
     </Form>
   );
 }

@@ -6,7 +6,7 @@ import { useStore } from '../../link/store';
 import { date, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { may, roles, type Role } from './roles';
-import { Buttons } from './users';
+import { FormButtons } from '../../ui/form_buttons';
 
 const lives_days = [7, 30, 90, 365] as const;
 const nameMost = 64;
@@ -113,7 +113,7 @@ function New({ done }: { done: (secret: string | null) => void }) {
         </select>
       </label>
       <Trouble problem={problem} />
-      <Buttons ready={name.trim() !== ''} close={() => done(null)} />
+      <FormButtons ready={name.trim() !== ''} close={() => done(null)} />
     </Form>
   );
 }

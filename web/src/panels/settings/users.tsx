@@ -6,6 +6,7 @@ import { useQuery } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
 import { t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
+import { FormButtons } from '../../ui/form_buttons';
 import { roles, type Role } from './roles';
 
 const nameMost = 32;
@@ -94,7 +95,7 @@ function New({ close }: { close: () => void }) {
       <RoleChoice role={role} choose={setRole} />
       <Field label={t('users.firstPassword')} hint={t('users.passwordHint')} value={password} most={passwordMost} onValue={setPassword} />
       <Trouble problem={problem} />
-      <Buttons ready={name.trim() !== '' && display.trim() !== '' && password.length >= passwordLeast} close={close} />
+      <FormButtons ready={name.trim() !== '' && display.trim() !== '' && password.length >= passwordLeast} close={close} />
     </Form>
   );
 }
@@ -122,20 +123,7 @@ function Change({ user, close }: { user: User; close: () => void }) {
       </label>
       <p class="hint">{t('users.changeHint')}</p>
       <Trouble problem={problem} />
-      <Buttons ready={display.trim() !== '' && (password === '' || password.length >= passwordLeast)} close={close} />
+      <FormButtons ready={display.trim() !== '' && (password === '' || password.length >= passwordLeast)} close={close} />
     </Form>
-  );
-}
-
-export function Buttons({ ready, close }: { ready: boolean; close: () => void }) {
-  return (
-    <div class="form-buttons">
-      <button type="submit" class="plain primary" disabled={!ready}>
-        {t('common.save')}
-      </button>
-      <button type="button" class="quiet" onClick={close}>
-        {t('common.cancel')}
-      </button>
-    </div>
   );
 }
