@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from harness import Hoist, check, check_safe, run_hoist, until
+from harness import Failed, Hoist, Skipped, check, check_safe, run_hoist, until
 
 BIN = sys.argv[1]
 HELD_S = 0.3  # ten times what a real hoist allows
@@ -183,14 +183,24 @@ def what_knows_real_time_only_is_refused():
     check(not os.path.exists(line), "a refused simulator makes no socket")
 
 
+def in_real_time(walk):
+    """What `walk` gives. By the wall clock a machine that holds up the core for 0.2 s ends any walk, as it must; the core says so itself."""
+    for _ in range(4):
+        again()
+        try:
+            return walk()
+        except Failed:
+            if "loop_overrun" not in hoist.status()["faults"]:
+                raise
+    raise Skipped("this machine is too busy: the core itself was held up for 0.2 s each time")
+
+
 def by_the_wall_clock_the_same_ends_the_walk():
     hoist.stop()
     hoist.lock_step = False
     hoist.start()
-    again()
-    check_the_same_bits(walk_to_the_end(0.5))
-    again()
-    hoist.walk()
+    check_the_same_bits(in_real_time(lambda: walk_to_the_end(0.5)))
+    in_real_time(hoist.walk)
     for program in (hoist.sim, hoist.core):
         starve(program)
     until("real time is real time: the walk ends", lambda: hoist.mode() != "user", 10.0)

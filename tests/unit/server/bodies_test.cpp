@@ -78,7 +78,8 @@ class Maker {
         if (s.contains("properties")) {
           for (const auto& [name, member] : s["properties"].items()) all_of_them[name] = valid(resolved(member));
         } else {
-          for (std::size_t i = 0; i <= limit.get<std::size_t>(); ++i) all_of_them["any" + std::to_string(i)] = valid(s["additionalProperties"]);
+          for (std::size_t i = 0; i <= limit.get<std::size_t>(); ++i)
+            all_of_them["any" + std::to_string(i)] = valid(s["additionalProperties"]);
         }
         add(std::move(all_of_them), rule, where);
       } else if (rule == "required") {

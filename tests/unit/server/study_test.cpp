@@ -19,7 +19,7 @@ namespace {
 using server::JobKind;
 
 const json kReport = [] {
-  const json column = {0.5, nullptr}, columns = {column};
+  const json column = {0.5, nullptr}, columns = json::array({column});
   const json test{{"pairs", 0}, {"up", 0}, {"down", 0}, {"mean_first", 0.0}, {"mean_second", 0.0}, {"p", nullptr}};
   return json{{"title", "Of two runs"},
               {"virtual_subjects", true},
