@@ -166,7 +166,7 @@ def write_proofs(recipes, top):
         target.write("\n".join([*includes, "namespace hoist {", *bodies, "}  // namespace hoist", ""]))
     with open(os.path.join(top, "tests/CMakeLists.txt"), "a", encoding="utf-8") as target:
         target.write("add_executable(recipe_proofs recipes/proofs.cpp)\n"
-                     "target_link_libraries(recipe_proofs PRIVATE hoist_core hoist_publish hoist_server_contract GTest::gtest_main)\n")
+                     "target_link_libraries(recipe_proofs PRIVATE hoist_core hoist_publish hoist_server_contract hoist_db GTest::gtest_main)\n")
 
 
 def run(command, top, what):

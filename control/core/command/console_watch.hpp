@@ -16,7 +16,7 @@ class ConsoleWatch {
 
   /// Once per step. A hoist that was led is missed for another minute after its motion: the patient still hangs in it.
   void step(bool moving) noexcept {
-    rest_ticks_ = gone_ && !moving ? rest_ticks_ + 1 : 0;
+    rest_ticks_ = moving ? 0 : rest_ticks_ + 1;
     if (rest_ticks_ >= hold<contract::Fault::console_lost, "rest">(kConsoleLostTicks)) gone_ = false;
   }
   [[nodiscard]] bool gone() const noexcept { return gone_; }
