@@ -10,7 +10,7 @@ namespace hoist::core {
 class ConsoleWatch {
  public:
   /// The holder's connection ended. At rest nobody needs to come.
-  void left(bool moving) noexcept { gone_ = gone_ || moving; }
+  void left(bool moving) noexcept { gone_ = moving; }
   /// Somebody is in control again.
   void taken() noexcept { gone_ = false; }
 
