@@ -20,9 +20,11 @@ new_results() {
 record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
 
 # run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; the tally counts it.
+# With HOIST_PROOFS the proofs, too (target `proofs` of tests/CMakeLists.txt).
 run_ctest() {
-  local folder=$1 results=$2 filter=$3 size jobs
+  local folder=$1 results=$2 filter=$3 size jobs proofs=(-LE proof)
   shift 3
+  [ -z "${HOIST_PROOFS:-}" ] || proofs=()
   say "running the C++ tests of $folder/"
   # The chains of suites of real programs (tests/system) wait more than they compute; one job more starves the guest of the longest of them.
   jobs=$(($(build_jobs) + 3))
@@ -32,7 +34,7 @@ run_ctest() {
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
     GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
     "$@" ctest --test-dir "$folder" -j "$jobs" --timeout "$ctest_timeout_s" --output-on-failure \
-    --test-output-size-failed "$size" -R "$filter" --output-junit "$results/ctest.xml" </dev/null || return 0
+    --test-output-size-failed "$size" -R "$filter" "${proofs[@]}" --output-junit "$results/ctest.xml" </dev/null || return 0
 }
 
 # The programs in which two threads share something: the server with its recorder, and the shared memory between core and server.

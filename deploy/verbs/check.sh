@@ -48,7 +48,7 @@ else
   record_step "$static" skipped "console: ESLint and Prettier" "$(no_node_reason)"
 fi
 
-build_normal all hoist-bench
+build_normal all proofs hoist-bench
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
 if command -v clang-tidy >/dev/null; then
   step "clang-tidy" run_clang_tidy build
@@ -60,15 +60,15 @@ fi
 build_web
 
 # The tests of the normal build first: they find most, and soonest.
-HOIST_THOROUGH=yes run_ctest build "$normal" .
+HOIST_THOROUGH=yes HOIST_PROOFS=yes run_ctest build "$normal" .
 run_web_tests "$normal" .
 run_browser_tests "$normal" .
 step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
 step "chaos: 2000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 2000
 build_normal core_mutants
 step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
-if build_sanitized; then
-  run_ctest build/sanitize "$sanitized" .
+if build_sanitized all proofs; then
+  HOIST_PROOFS=yes run_ctest build/sanitize "$sanitized" .
 else
   record_step "$static" failed "sanitized build" "see above"
 fi
