@@ -85,6 +85,7 @@ def main():
         both_are_closed_until_an_engineer_opens_them,
         the_setting_outlives_the_server,
         with_node("foxglove_topics"),
+        with_node("foxglove_examples"),
         with_node("foxglove_parameters"),
         with_node("rosbridge_reads"),
         with_node("foxglove_drives", True),

@@ -1,9 +1,16 @@
 // clients.mjs PORT TOKEN CASE: one case of tests/system/tool_clients.py, with third-party clients:
 // @foxglove/ws-protocol and roslib.
 import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 import { parse } from "@foxglove/rosmsg";
 import { MessageReader } from "@foxglove/rosmsg2-serialization";
 import protocol from "@foxglove/ws-protocol";
+import { McapIndexedReader } from "@mcap/core";
 import * as ROSLIB from "roslib";
 import WebSocket from "ws";
 
@@ -124,7 +131,57 @@ async function drives({ send, call, intents, mode }) {
   await call("/hoist/release_control");
 }
 
+// A program of @foxglove/ws-protocol-examples, as published; what it prints is in `text`.
+function example(...args) {
+  const index = new URL("node_modules/@foxglove/ws-protocol-examples/dist/cjs/ws-protocol-examples/src/index.js", import.meta.url);
+  const program = spawn(process.execPath, [fileURLToPath(index), ...args], { stdio: ["ignore", "pipe", "pipe"] });
+  program.text = "";
+  for (const stream of [program.stdout, program.stderr]) stream.on("data", (data) => (program.text += data));
+  return program;
+}
+
 const cases = {
+  async foxglove_examples() {
+    const folder = mkdtempSync(join(tmpdir(), "hoist-mcap-"));
+    const file = join(folder, "live.mcap");
+    const recorder = example("mcap-record", address("/foxglove"), "--output", file, "--no-compression");
+    const simple = example("simple-client", address("/foxglove"));
+    try {
+      await until("mcap-record subscribes", () => recorder.text.match(/subscribing to/gu)?.length === 13, 60000);
+      // It tells no message; what another client has seen since, it has seen, too.
+      const beside = await new Foxglove("foxglove.websocket.v1").ready();
+      const lists = [...beside.channels.keys()].map((topic) => beside.watch(topic, true));
+      await until("every topic speaks", () => lists.every((list) => list.length > 3), 60000);
+      beside.close();
+      await until("simple-client shows a value", () => /lean_norm: -?[\d.]/u.test(simple.text), 60000);
+      assert.equal(simple.exitCode, null, simple.text);
+      recorder.kill("SIGINT");
+      const [code] = await once(recorder, "exit");
+      assert.equal(code, 0, recorder.text);
+      const bytes = readFileSync(file);
+      const readable = { size: async () => BigInt(bytes.length), read: async (at, size) => new Uint8Array(bytes.subarray(Number(at), Number(at + size))) };
+      const reader = await McapIndexedReader.Initialize({ readable });
+      assert.equal(reader.channelsById.size, 13);
+      const decoders = new Map();
+      for (const [id, { schemaId, messageEncoding }] of reader.channelsById) {
+        const { data, encoding } = reader.schemasById.get(schemaId);
+        const schema = new TextDecoder().decode(data);
+        assert.equal(encoding, messageEncoding === "cdr" ? "ros2msg" : "jsonschema");
+        const cdr = messageEncoding === "cdr" ? new MessageReader(parse(schema, { ros2: true })) : null;
+        decoders.set(id, cdr ? (message) => cdr.readMessage(message) : (message) => JSON.parse(new TextDecoder().decode(message)));
+      }
+      const newest = new Map();
+      for await (const { channelId, data } of reader.readMessages())
+        newest.set(reader.channelsById.get(channelId).topic, decoders.get(channelId)(data));
+      assert.equal(newest.size, 13, "a topic was not recorded");
+      assert.equal(newest.get("/odom").child_frame_id, "base_link");
+      assert.ok(Number.isFinite(newest.get("/hoist/intent").lean_norm));
+    } finally {
+      recorder.kill("SIGKILL");
+      simple.kill("SIGKILL");
+      rmSync(folder, { recursive: true });
+    }
+  },
   async foxglove_topics() {
     for (const subprotocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"]) {
       const tool = await new Foxglove([subprotocol, "something.else"]).ready().catch((error) => assert.fail(`${subprotocol}: ${error}`));
