@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/faults.hpp"
+#include "db/advice/tuning.hpp"
+#include "db/advice/tuning_json.hpp"
 #include "db/export/session_export.hpp"
 #include "db/store/markers.hpp"
 #include "db/store/session_reader.hpp"
@@ -232,6 +234,15 @@ void get_metrics(const CallPtr& call) {
   with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
     const auto told = db::session_metrics_json(database, id);
     return told ? json_response(*told) : store_error(told.error(), path);
+  });
+}
+
+void get_tuning_advice(const CallPtr& call) {
+  const auto id = session_id(call);
+  if (!id) return;
+  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+    const auto advice = db::tuning_advice(database, id);
+    return advice ? json_response(db::tuning_json(*advice)) : store_error(advice.error(), path);
   });
 }
 

@@ -20,6 +20,33 @@ const taskFolder = join(here, '../db/tasks');
 const tasks = readdirSync(taskFolder)
   .sort()
   .map((file) => JSON.parse(readFileSync(join(taskFolder, file), 'utf8')));
+// A change, one that may stay, a change at standstill only, and one that this session does not tell.
+const swayed = { en: 'sway of the lean while standing', de: 'Schwanken der Neigung im Stehen' };
+const reacts = { en: 'share of the standing time in which the hoist would react', de: 'Anteil der Stehzeit, in dem das Gerät reagieren würde' };
+const leaned = { en: 'mean lean while walking', de: 'mittlere Neigung beim Gehen' };
+const stray = { en: 'stray turning in step', de: 'Pendeln der Drehung im Schritt' };
+const suggestion = (name, [now, suggested, measured, effect_now, effect_then], measures, effect, measured_unit = '') => ({
+  name,
+  reason_code: null,
+  reason: null,
+  ...{ now, suggested, measured, effect_now, effect_then },
+  ...{ measured_unit, measures, effect },
+  formula: '',
+});
+const suggestions = [
+  suggestion('lean_dead_band_norm', [0.05, 0.08, 0.059, 0.31, 0.004], swayed, reacts),
+  suggestion('lean_gain_filtered_units', [50, 62.5, 0.55, 0.55, 0.443], leaned, {
+    en: 'mean lean for the same speed',
+    de: 'mittlere Neigung bei gleicher Geschwindigkeit',
+  }),
+  suggestion('turn_dead_band_norm', [0.05, 0.05, 0.032, 0, 0], swayed, reacts),
+  {
+    ...suggestion('turn_gain_filtered_units', [null, null, null, null, null], leaned, leaned),
+    reason_code: 'no_turning',
+    reason: { en: 'The patient led for less than 5 s of turning.', de: 'Der Patient führte weniger als 5 s lang eine Drehung.' },
+  },
+  suggestion('cadence_cancel_norm', [0, 1, 0.014, 0.014, 0.0056], stray, stray, 'rad/s'),
+];
 // Every figure has a number but those of the steps' spread.
 const metricKeys = [...table('metrics').matchAll(/key: '(\w+)'/g)].map(([, key]) => key);
 const withoutFigure = ['stride_time_cv_norm', 'step_asymmetry_norm'];
@@ -1150,7 +1177,7 @@ export function startFakeServer({
         return send(422, { type: '/problems/invalid', title: 'Invalid', status: 422, errors: [{ field: 'time_s', message: '' }] });
       return send(200, Object.assign(marker, given, { etag: `${marker.etag}+` }));
     }
-    const [, id, rest] = /^\/sessions\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
+    const [, id, rest] = /^\/sessions\/(\d+)(?:\/([\w-]+))?$/.exec(path) ?? [];
     const session = sessions.find((item) => item.id === Number(id));
     if (session === undefined) return send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (rest === undefined && request.method === 'DELETE') {
@@ -1183,6 +1210,7 @@ export function startFakeServer({
         reason_if_none: null,
         reason_code: null,
       });
+    if (rest === 'tuning-advice') return send(200, { session: session.id, standing_s: 41.2, walking_s: 88.4, items: suggestions });
     if (rest === 'events')
       return send(200, {
         items: [

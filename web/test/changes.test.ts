@@ -47,6 +47,42 @@ describe('the history on Tune', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('the suggestions on Tune', { timeout: minutes_ms }, () => {
+  const sent = () => fake.hoist.commands.filter(({ type }) => type === 'set').length;
+
+  it('name value, measure and effect; taking one over changes nothing until a person applies it', async () => {
+    await open('tune');
+    const advice = page.locator('.tune-advice');
+    await advice.locator('summary').click();
+    await advice.locator('li').first().waitFor();
+    expect(await advice.locator('li').first().textContent()).toContain('5.9 %');
+    expect(await advice.locator('li', { hasText: 'can stay' }).locator('button').count()).toBe(0);
+    expect(await advice.locator('li', { hasText: 'less than 5 s of turning' }).locator('button').count()).toBe(0);
+    await advice.getByRole('button', { name: 'Build-up strength: fill in 62.5 units' }).click();
+    const field = page.locator('input[name=lean_gain_filtered_units]');
+    expect(await field.inputValue()).toBe('62.5');
+    await page.getByText('Suggested, not yet set. Set now: 50 units').waitFor();
+    // Leaving the field is not applying.
+    await page.locator('input[name=lean_tau_normal_s]').focus();
+    await page.waitForTimeout(500);
+    expect(sent(), 'nothing was sent').toBe(0);
+    await page.getByRole('button', { name: en['advice.apply'] }).click();
+    await expect.poll(sent, { timeout: 10_000 }).toBe(1);
+    await page.getByText('Suggested, not yet set').waitFor({ state: 'detached' });
+    await expect.poll(() => field.inputValue(), { timeout: 10_000 }).toBe('62.5');
+    expect(await advice.locator('li', { hasText: 'Build-up strength' }).textContent()).toContain(en['advice.inForce']);
+  });
+
+  it('are discarded by one tap', async () => {
+    await open('tune');
+    await page.locator('.tune-advice summary').click();
+    await page.getByRole('button', { name: 'Build-up strength: fill in 62.5 units' }).click();
+    await page.getByRole('button', { name: en['advice.drop'] }).click();
+    expect(await page.locator('input[name=lean_gain_filtered_units]').inputValue()).toBe('50');
+    expect(sent()).toBe(0);
+  });
+});
+
 describe('the note of a visit', { timeout: minutes_ms }, () => {
   it('is saved on leaving it, and never over another one unseen', async () => {
     await open('patients/5');

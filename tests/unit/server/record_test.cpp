@@ -157,8 +157,8 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_EQ(get("/api/v1/sessions/1").status, 404);
 }
 
-json figures_by_command(const std::filesystem::path& database) {
-  const std::string command = std::string(HOIST_BINARY_DIR) + "/bin/hoist metrics " + database.string() + " 1";
+json by_command(const char* name, const std::filesystem::path& database, const char* options = "") {
+  const std::string command = std::string(HOIST_BINARY_DIR) + "/bin/hoist " + name + " " + database.string() + " 1" + options;
   return json::parse(test::run_shell(command).output, nullptr, false);
 }
 
@@ -197,9 +197,15 @@ TEST_F(Record, TheFiguresOfAWalkAreThoseOfTheirDefinitions) {
   ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200) << recording();
   json told = get("/api/v1/sessions/1/metrics").json();
   // The same session's figures, each with version, inputs and hash, on the command line and in the export.
-  EXPECT_EQ(told, figures_by_command(folder_ / "hoist.db"));
+  EXPECT_EQ(told, by_command("metrics", folder_ / "hoist.db"));
   EXPECT_EQ(told, get("/api/v1/sessions/1/export?format=json&columns=mode").json()["metrics"]);
   EXPECT_EQ(told["computed"].size(), db::kMetrics.size());
+  // So is the advice.
+  const json advice = get("/api/v1/sessions/1/tuning-advice").json();
+  EXPECT_EQ(advice, by_command("tune-advice", folder_ / "hoist.db", " --json"));
+  EXPECT_EQ(advice["items"].size(), 5U) << advice;
+  EXPECT_EQ(advice["items"][0]["name"], "lean_dead_band_norm");
+  EXPECT_EQ(get("/api/v1/sessions/9/tuning-advice").status, 404);
   told.erase("computed");
   const auto figure = [&told](const char* name) {
     const double value = told[name].is_number() ? told[name].get<double>() : std::nan("");

@@ -1838,6 +1838,37 @@ export type TrendFigures = {
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
 export type TrialTime = number;
 
+/** Advice only: a person decides and sets a value. */
+export type TuningAdvice = {
+  items: readonly TuningSuggestion[];
+  session: number;
+  /** Standing that it is drawn from, with the patient's standby just before. */
+  standing_s: number;
+  /** Walking led by the patient. */
+  walking_s: number;
+};
+
+export type TuningSuggestion = {
+  effect: Words;
+  effect_now: number | null;
+  /** To be expected. */
+  effect_then: number | null;
+  formula: string;
+  measured: number | null;
+  /** Of measured and both effects; empty: a share. */
+  measured_unit: string;
+  measures: Words;
+  /** Of the parameter. */
+  name: string;
+  /** In force when the session began. */
+  now: number | null;
+  reason: Words | null;
+  /** Why there is no suggestion; its numbers are null then. */
+  reason_code: string | null;
+  /** Inside the parameter's range; the same as now: it may stay. */
+  suggested: number | null;
+};
+
 export type User = {
   display_name: string;
   enabled: boolean;
@@ -2373,6 +2404,11 @@ export interface Routes {
   'GET /api/v1/sessions/{id}/session.mcap': {
     path: { id: number };
     answer: never;
+  };
+  /** Settings suggested from how the patient stood and walked in a session; nothing is changed. */
+  'GET /api/v1/sessions/{id}/tuning-advice': {
+    path: { id: number };
+    answer: TuningAdvice;
   };
   /** What this hoist is called, and its language. */
   'GET /api/v1/settings': {

@@ -130,6 +130,9 @@ export function groups(): Group[] {
   return result.filter((group) => group.rows.length > 0);
 }
 
+/** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
+export const same = (a: number, b: number): boolean => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
+
 /** A step for the slider: about two hundred over the range, of the form 1, 2 or 5 times a power of ten. */
 export function niceStep(range: number): number {
   const raw = range / 200;

@@ -9,7 +9,8 @@ import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text';
 import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
-import { groups, niceStep, type Group } from './groups';
+import { AdviceCard } from './advice';
+import { groups, niceStep, same, type Group } from './groups';
 import { HistoryCard } from './history';
 import '../../ui/motion.css';
 import './tune.css';
@@ -18,14 +19,24 @@ import './tune.css';
 const debounce_ms = 200;
 /** Length of a trial in motion. */
 const trial_s = 20;
-/** Values travel as 64-bit numbers, but drives keep 32-bit ones. */
-const same = (a: number, b: number) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b), 1e-9);
 
 /** Sends a value: on trial in motion, permanent at standstill. */
 const send = (row: ParamInfo, si: number): Promise<Reply> =>
   moving(store.value.mode) && row.edit === 'live' ? tryParameters({ [row.name]: si }, trial_s) : setParameters({ [row.name]: si });
 
-function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; standby: boolean; connected: boolean }) {
+/** Values that were taken over from advice into the fields, SI units: not in force until a person applies them. */
+type Taken = Readonly<Record<string, number>>;
+
+interface RowsProps {
+  role: string;
+  standby: boolean;
+  connected: boolean;
+  taken: Taken;
+  drop: (name: string) => void;
+}
+
+function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps & { row: ParamInfo }) {
+  const taken = allTaken[row.name] ?? null;
   const value = useStore((s) => s.parameters[row.name] ?? NaN);
   const show = shownAs(row.name, row.unit);
   const toShown = (si: number) => si * show.factor;
@@ -52,6 +63,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
   const apply = async (si: number): Promise<void> => {
+    drop(row.name);
     if (timer.current !== null) window.clearTimeout(timer.current);
     timer.current = null;
     drawn.current = null;
@@ -76,6 +88,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   };
   const type = (text: string) => {
     touches.current++;
+    drop(row.name);
     setDraft(text);
     setError(null);
   };
@@ -95,6 +108,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   const draw = (shown: number) => {
     begun.current ??= value;
     touches.current++;
+    drop(row.name);
     setSlide(shown);
     setDraft(null);
     setError(null);
@@ -120,6 +134,11 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           {words(row.effect)}
         </p>
         {row.edit === 'stopped' ? <p class={lockedByMode ? 'tune-note now' : 'tune-note'}>{t('tune.stopped')}</p> : null}
+        {taken !== null ? (
+          <p class="tune-note now" role="status">
+            {t('advice.taken', { value: withUnit(plain(toShown(value)), show.unit) })}
+          </p>
+        ) : null}
         {error !== null ? (
           <p class="tune-error" role="alert" id={`${id}-error`}>
             {error}
@@ -158,13 +177,17 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
           name={row.name}
           aria-describedby={error !== null ? `${id}-error ${id}-effect` : `${id}-effect`}
           aria-invalid={error !== null}
-          value={draft ?? (slide !== null ? plain(slide) : Number.isFinite(value) ? plain(toShown(value)) : '')}
+          value={draft ?? (slide !== null ? plain(slide) : Number.isFinite(value) ? plain(toShown(taken ?? value)) : '')}
           disabled={locked}
           onInput={(event) => type(event.currentTarget.value)}
           onBlur={enter}
           onKeyDown={(event) => {
-            if (event.key === 'Enter') enter();
+            if (event.key === 'Enter') {
+              if (draft === null && taken !== null) void apply(taken);
+              else enter();
+            }
             if (event.key === 'Escape') {
+              drop(row.name);
               setDraft(null);
               setError(null);
             }
@@ -173,9 +196,20 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
         <span class="tune-unit">{show.unit}</span>
       </div>
       <div class="tune-buttons">
+        {taken !== null ? (
+          <>
+            <button type="button" class="quiet" onClick={() => drop(row.name)}>
+              {t('advice.drop')}
+            </button>
+            <button type="button" class="plain" disabled={locked} onClick={() => void apply(taken)}>
+              {t('advice.apply')}
+            </button>
+          </>
+        ) : null}
         <button
           type="button"
           class="quiet"
+          hidden={taken !== null}
           disabled={locked || undo === null || undoing}
           onClick={() => {
             if (undo === null) return;
@@ -186,7 +220,7 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
         >
           {t('tune.undo')}
         </button>
-        <button type="button" class="quiet" disabled={locked || !changed} onClick={() => void apply(row.default)}>
+        <button type="button" class="quiet" hidden={taken !== null} disabled={locked || !changed} onClick={() => void apply(row.default)}>
           {t('tune.back')}
         </button>
       </div>
@@ -194,10 +228,10 @@ function Row({ row, role, standby, connected }: { row: ParamInfo; role: string; 
   );
 }
 
-function GroupView({ group, role, standby, connected }: { group: Group; role: string; standby: boolean; connected: boolean }) {
+function GroupView({ group, ...rest }: RowsProps & { group: Group }) {
   const everyday = group.rows.filter((row) => row.role === 'therapist');
   const deep = group.rows.filter((row) => row.role === 'engineer');
-  const rows = (list: ParamInfo[]) => list.map((row) => <Row key={row.name} row={row} role={role} standby={standby} connected={connected} />);
+  const rows = (list: ParamInfo[]) => list.map((row) => <Row key={row.name} row={row} {...rest} />);
   return (
     <section class="card tune-group">
       <h2>{t(group.title)}</h2>
@@ -227,6 +261,16 @@ export function TuneView() {
   const choose = async (preset: (typeof presets)[number]) => {
     if (await request.ask(() => applyPreset(preset.name))) notify('info', t('tune.presetApplied', { name: words(preset.title) }), true);
   };
+  const [taken, setTaken] = useState<Taken>({});
+  const drop = (name: string) => setTaken((all) => Object.fromEntries(Object.entries(all).filter(([key]) => key !== name)));
+  const takeOver = (row: ParamInfo, si: number) => {
+    setTaken((all) => ({ ...all, [row.name]: si }));
+    const field = document.getElementById(`p-${row.name}`);
+    field?.scrollIntoView({ block: 'center' });
+    field?.focus({ preventScroll: true });
+  };
+  const locked = (row: ParamInfo) =>
+    !connected || role === 'viewer' || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer');
   return (
     <div class="tune">
       <div class="walk-controls">
@@ -253,12 +297,10 @@ export function TuneView() {
         </p>
       </div>
       <Refusal request={request} />
-      <HistoryCard
-        send={send}
-        locked={(row) => !connected || role === 'viewer' || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer')}
-      />
+      <AdviceCard takeOver={takeOver} locked={locked} />
+      <HistoryCard send={send} locked={locked} />
       {list.map((group) => (
-        <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} />
+        <GroupView key={group.title} group={group} role={role} standby={standby} connected={connected} taken={taken} drop={drop} />
       ))}
     </div>
   );
