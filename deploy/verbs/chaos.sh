@@ -3,6 +3,8 @@
 #
 # options: --sessions N, --seed S, --length SECONDS, --no-faults, --loss SHARE, --jitter SECONDS, --unmoved, --faults LIST, --story, --hashes,
 #          --state FILE, --jobs N (hoist-chaos --help says what they mean)
+#          --masks       instead, each monitor of the core switched off in turn: how many sessions the judge needs to find it
+#                        (--sessions N at most for each, --seed S, --monitor NAME, --jobs N)
 #          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
 # A failing session is reported with its seed and reduced; the printed line replays it:
@@ -10,10 +12,12 @@
 # A long run can be resumed: `deploy/dev chaos --sessions 100000 --state FILE` continues.
 arguments=()
 compilers=
+masks=
 for option in "$@"; do
   case $option in
     --no-setup | -h | --help) common_option chaos "$option" ;;
     --compilers) compilers=1 ;;
+    --masks) masks=1 ;;
     *) arguments+=("$option") ;;
   esac
 done
@@ -50,6 +54,10 @@ setup build
 if [[ -n $compilers ]]; then
   compare_compilers
   exit
+fi
+if [[ -n $masks ]]; then
+  build_normal hoist-chaos-masks
+  exec build/bin/hoist-chaos-masks "${arguments[@]}"
 fi
 build_normal hoist-chaos
 exec build/bin/hoist-chaos "${arguments[@]}"

@@ -26,7 +26,8 @@ class Battery {
 
   /// Voltage of battery 0 or 1 under load.
   [[nodiscard]] double one_v(int which) const {
-    const double half_v = which == 0 ? params_.difference_v / 2.0 : -params_.difference_v / 2.0;
+    const double apart_v = params_.difference_v + weaker_v_;
+    const double half_v = which == 0 ? apart_v / 2.0 : -apart_v / 2.0;
     if (forced_v_) return *forced_v_ / 2.0 + half_v;
     return params_.empty_v + (params_.full_v - params_.empty_v) * charge_norm_ - params_.resistance_ohm * current_a_ + half_v;
   }
@@ -35,11 +36,13 @@ class Battery {
 
   /// Fixes both together at this voltage independent of the load, or releases them.
   void force(std::optional<double> both_v) { forced_v_ = both_v; }
+  /// One battery is worn out: battery 1 falls behind battery 0 by this much more than usual, with the same sum.
+  void weaken(double by_v) { weaker_v_ = by_v; }
 
  private:
   BatteryParams params_;
   double charge_norm_{0.95};
-  double current_a_{};
+  double current_a_{}, weaker_v_{};
   std::optional<double> forced_v_;
 };
 

@@ -106,6 +106,7 @@ class Plant {
   // Faults and world.
   void force_bumper(int bit, bool pressed);
   void force_battery(std::optional<double> both_v) { battery_.force(both_v); }
+  void weaken_battery(double by_v) { battery_.weaken(by_v); }
   /// Weight that hangs in the harness and so presses the wheels to the floor, N.
   void set_carried(double weight_n) { carried_n_ = weight_n; }
   void set_grip(Side side, double grip_norm) { grip_norm_[index(side)] = grip_norm; }

@@ -66,6 +66,8 @@ enum class Kind : std::uint8_t {
   disk_error,
   disk_power_cut,
   clock_jump,
+  battery_weak,
+  skid,
   count
 };
 
@@ -133,6 +135,8 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::disk_error, "disk_error", Target::nothing, true, true},
     KindInfo{Kind::disk_power_cut, "disk_power_cut", Target::nothing, true, true},
     KindInfo{Kind::clock_jump, "clock_jump", Target::nothing, true, true},
+    KindInfo{Kind::battery_weak, "battery_weak", Target::nothing, false, false},
+    KindInfo{Kind::skid, "skid", Target::nothing, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {

@@ -1,5 +1,6 @@
 // hoist-chaos: many random sessions, or one again with its story.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "control/contract/faults.hpp"
 #include "tests/chaos/session.hpp"
 #include "tests/chaos/shrink.hpp"
 
@@ -59,6 +61,8 @@ struct Totals {
   std::uint64_t done = 0, bad = 0, digest = 0, samples = 0;
   double walked_s = 0, distance_m = 0;
   std::uint64_t starts = 0, stops = 0, false_stops = 0;
+  std::array<double, hoist::chaos::kModeCount> moved_s{};
+  std::array<std::uint64_t, hoist::chaos::kModeCount> unasked{};
 
   void add(const SessionReport& report) {
     ++done;
@@ -70,6 +74,10 @@ struct Totals {
     starts += static_cast<std::uint64_t>(report.starts);
     stops += static_cast<std::uint64_t>(report.stops);
     false_stops += static_cast<std::uint64_t>(report.false_stops);
+    for (std::size_t mode = 0; mode < moved_s.size(); ++mode) {
+      moved_s[mode] += report.moved_s[mode];
+      unasked[mode] += static_cast<std::uint64_t>(report.unasked[mode]);
+    }
   }
 };
 
@@ -87,6 +95,7 @@ bool load(const std::string& file, const std::string& name, Totals& totals) {
   std::getline(in, known);
   Totals t;
   in >> t.done >> t.bad >> t.digest >> t.samples >> t.walked_s >> t.distance_m >> t.starts >> t.stops >> t.false_stops;
+  for (std::size_t mode = 0; mode < t.moved_s.size(); ++mode) in >> t.moved_s[mode] >> t.unasked[mode];
   if (!in || known != name) return false;
   totals = t;
   return true;
@@ -98,7 +107,9 @@ void save(const std::string& file, const std::string& name, const Totals& t) {
     out.precision(17);
     out << name << '\n'
         << t.done << ' ' << t.bad << ' ' << t.digest << ' ' << t.samples << ' ' << t.walked_s << ' ' << t.distance_m << ' ' << t.starts
-        << ' ' << t.stops << ' ' << t.false_stops << '\n';
+        << ' ' << t.stops << ' ' << t.false_stops;
+    for (std::size_t mode = 0; mode < t.moved_s.size(); ++mode) out << ' ' << t.moved_s[mode] << ' ' << t.unasked[mode];
+    out << '\n';
   }
   (void)std::rename(fresh.c_str(), file.c_str());
 }
@@ -215,6 +226,12 @@ int main(int argc, char** argv) {
       totals.walked_s / 3600, totals.distance_m / 1000, static_cast<unsigned long long>(totals.stops),
       static_cast<unsigned long long>(totals.false_stops), static_cast<unsigned long long>(totals.samples),
       static_cast<unsigned long long>(totals.digest));
+  for (std::size_t mode = 0; mode < totals.moved_s.size(); ++mode) {
+    if (totals.moved_s[mode] <= 0) continue;
+    const double hours = totals.moved_s[mode] / 3600;
+    std::printf("%-7s %7.2f h in motion, %llu unasked stops, %.2f an hour\n", std::string(hoist::contract::kModes[mode].name).c_str(),
+                hours, static_cast<unsigned long long>(totals.unasked[mode]), static_cast<double>(totals.unasked[mode]) / hours);
+  }
   std::printf("%llu passed, %llu failed, 0 skipped\n", static_cast<unsigned long long>(totals.done - totals.bad),
               static_cast<unsigned long long>(totals.bad));
   return totals.bad == 0 ? 0 : 1;

@@ -14,8 +14,8 @@
 #include "control/contract/signals.hpp"
 #include "control/core/supervise/supervisor.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
+#include "tests/chaos/judge/watch.hpp"
 #include "tests/chaos/storage.hpp"
-#include "tests/chaos/watch.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::chaos {
@@ -39,8 +39,6 @@ constexpr double kMending_s = 1e-3 * firmware::kTiltStart_ms + 2.0 + 1.0 + 1.0;
 constexpr double kUnlearning_s = 60.0;
 constexpr std::size_t kRemembered = 64;
 
-bool moves(Mode mode) { return contract::kModes[static_cast<std::size_t>(mode)].moving != 0; }
-
 class Session {
  public:
   explicit Session(const SessionOptions& options)
@@ -53,7 +51,7 @@ class Session {
         link_dice_(options.seed, kLinkStream),
         serial_dice_(options.seed, kSerialStream),
         loop_(loop_options()),
-        watch_(loop_, board_, options_, report_) {
+        watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
     report_.seed = options.seed;
     report_.faults = faults_;
     report_.length_s = options.length_s;
@@ -64,6 +62,7 @@ class Session {
       loop_.world().set_frame_fault([this](std::size_t port, const CanFrame& frame, std::uint64_t) { return frame_fault(port, frame); });
     loop_.on_inputs([this](const core::TickInputs& inputs) { see(inputs); });
     loop_.on_sent([this](const CanFrame& frame) {
+      watch_.sent(frame);
       // The drives' commands alone: alarm signals to the input node may differ.
       if (frame.id != contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_left) &&
           frame.id != contract::pdo_cob_id(contract::Pdo::drive_rx1, contract::Node::drive_right))
@@ -75,8 +74,8 @@ class Session {
     });
     if (options_.sabotage)
       loop_.break_core([this](core::CoreState& core, core::TickOutputs& out) { options_.sabotage(loop_.time_s(), core, out); });
-    if (options_.record || options_.lying_disk ||
-        std::any_of(faults_.begin(), faults_.end(), [](const Fault& f) { return info(f.kind).disk; }))
+    if (options_.storage && (options_.record || options_.lying_disk ||
+                             std::any_of(faults_.begin(), faults_.end(), [](const Fault& f) { return info(f.kind).disk; })))
       begin_storage();
     if (options_.link_jitter_s > 0) delay_commands(options_.link_jitter_s);
   }
@@ -261,6 +260,14 @@ class Session {
       case Kind::battery:
         world.plant().force_battery(on ? std::optional<double>(18.0 + 6.0 * f.size) : std::nullopt);
         break;
+      case Kind::battery_weak:
+        world.plant().weaken_battery(on ? 2.0 * f.size : 0.0);
+        break;
+      case Kind::skid:
+        // Both wheels on wet floor, and the frame is twisted by up to 7 N m either way, of which the wheels take 4.
+        world.slip(
+            {.seconds = on ? f.end_s - f.start_s : 0.001, .grip_norm = {0.03, 0.03}, .push_n = 0.0, .twist_n_m = (f.size - 0.5) * 14.0});
+        break;
       case Kind::gyro_jump: {
         const auto place = f.node == Node::tilt_left    ? sim::Place::left_strut
                            : f.node == Node::tilt_right ? sim::Place::right_strut
@@ -310,7 +317,7 @@ class Session {
           loop_.kill_core();
         } else {
           loop_.restart_core();
-          watch_.core_restarted();
+          watch_.core_restarted(loop_.core().params, loop_.core().parameter_version, loop_.events().size());
         }
         break;
       case Kind::server_hang:
@@ -504,7 +511,6 @@ class Session {
       if (!row.on && !row.done && now_s >= row.fault.start_s) {
         row.on = true;
         watch_.tell(std::string(info(row.fault.kind).name) + " begins, node " + std::to_string(contract::node_id(row.fault.node)));
-        watch_.fault_begins(row);
         apply(row, true);
       } else if (row.on && now_s >= row.fault.end_s) {
         row.on = false;
@@ -523,7 +529,16 @@ class Session {
   }
 
   void see(const core::TickInputs& inputs) {
-    watch_.before_step(inputs);
+    watch_.before_step({.tick = inputs.tick,
+                        .time_ns = inputs.time_ns,
+                        .frames = inputs.frames,
+                        .bus_up = inputs.bus_up,
+                        .commands = inputs.commands,
+                        .drive_fresh = inputs.drive_fresh,
+                        .drive = inputs.drive,
+                        .server_heartbeat = inputs.server_heartbeat,
+                        .server_life = inputs.server_life,
+                        .wake_lateness_s = static_cast<double>(inputs.wake_lateness_s)});
     if (storage_ != nullptr) storage_->before_step(loop_.core(), inputs);
     for (const Command& command : inputs.commands) {
       // STOP and ending motion are taken in any order, so a replayed one stops again: that is no fault.
@@ -686,7 +701,8 @@ class Session {
     loop_.step();
     if (storage_ != nullptr) storage_->tick(clock_ns());
     report_.distance_m += std::fabs(loop_.world().plant().platform().speed_m_s) * 0.01;
-    watch_.after_step(ran);
+    const Told told{loop_.record(), loop_.events(), loop_.core().params, loop_.core().parameter_version};
+    watch_.after_step(ran ? &told : nullptr);
     if (ticks_ % 100 == 0) report_.hashes.push_back(loop_.digest());
   }
 

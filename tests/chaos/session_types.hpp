@@ -1,4 +1,4 @@
-// What a session of chaos is asked for, and what it reports.
+// What a session of chaos is asked for.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -9,6 +9,7 @@
 #include "control/contract/can_frame.hpp"
 #include "control/core/tick.hpp"
 #include "tests/chaos/faults.hpp"
+#include "tests/chaos/judge/verdict.hpp"
 
 namespace hoist::chaos {
 
@@ -27,28 +28,9 @@ struct SessionOptions {
   std::optional<std::vector<Fault>> faults = {};  // instead of the seed's own
   Sabotage sabotage = {};                         // see there
   bool lying_disk = false;                        // the disk says "synced" and has not: sabotage of the recorder
+  bool storage = true;                            // false: without recorder and disk, also where one of them breaks
   bool record = false;  // server and disk take part also when none of them breaks, and what they store is run again
   std::optional<contract::CanFrame> spoof = {};  // a foreign device sends this in every step from the first fault on
-};
-
-struct SessionReport {
-  std::uint64_t seed = 0;
-  std::uint64_t digest = 0;
-  std::vector<std::uint64_t> hashes;  // of everything so far, at the end of each second
-  std::uint64_t motion = 0;           // digest of the drive commands alone
-  std::vector<Fault> faults;          // as they were planned
-  double length_s = 0;
-  double walked_s = 0;                // time in which the wheels might move
-  double distance_m = 0;              // that the platform truly went
-  int starts = 0;                     // motions begun
-  int stops = 0;                      // protective stops
-  int false_stops = 0;                // of those (and of soft stops by the core), those without an active fault
-  std::uint64_t samples = 0;          // that were acknowledged as stored and found again
-  std::uint64_t samples_again = 0;    // that are stored, and whose step was run again and gave the same bits
-  std::uint64_t samples_not_run = 0;  // that are stored, and whose step could not be run again
-  std::vector<std::string> story;     // log with times; only on request
-  std::vector<std::string> broken;    // violated invariants with times; expected empty
-  double broken_s = 0;                // when the first of them was found
 };
 
 }  // namespace hoist::chaos

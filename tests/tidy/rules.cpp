@@ -100,6 +100,8 @@ const std::vector<Layer>& layers() {
        {"deploy/tools/", "control/core/", "control/contract/", "control/safety/", "control/bus/", "control/publish/", "db/", "firmware/",
         "server/"},
        false},
+      // Who judges a random session must not share the core's tables: a mistake in one would excuse itself.
+      {"tests/chaos/judge/", {"tests/chaos/judge/", "tests/chaos/faults.hpp", "control/contract/", "firmware/sim/"}, false},
       {"tests/", {"tests/", "control/", "firmware/", "server/", "db/", "deploy/tools/"}, false},
   };
   return table;

@@ -61,6 +61,7 @@ std::set<std::string> broken_by(const std::string& path, const std::string& text
 
                                           "control/core/state.hpp",
                                           "control/core/supervise/supervisor.hpp",
+                                          "control/core/supervise/transitions.hpp",
                                           "control/core/tick.hpp",
                                           "control/core/types.hpp",
                                           "control/publish/seq_cell.hpp",
@@ -73,7 +74,8 @@ std::set<std::string> broken_by(const std::string& path, const std::string& text
                                           "server/http/listener.hpp",
                                           "server/link/core_desk.hpp",
                                           "server/live/hub.hpp",
-                                          "server/services.hpp"};
+                                          "server/services.hpp",
+                                          "tests/support/closed_loop.hpp"};
   std::set<std::string> rules;
   for (const auto& finding : check_file({path, text}, paths)) rules.insert(finding.rule);
   return rules;
@@ -149,6 +151,8 @@ TEST(Layers, EachForbiddenArrowIsFound) {
   EXPECT_EQ(broken_by("server/link/a.cpp", includes("server/actions/actions.hpp")), layer);
   EXPECT_EQ(broken_by("server/record/a.cpp", includes("server/link/core_desk.hpp")), layer);
   EXPECT_EQ(broken_by("deploy/tools/hoist/a.cpp", includes("control/run/loop.hpp")), layer);
+  EXPECT_EQ(broken_by("tests/chaos/judge/a.cpp", includes("control/core/supervise/transitions.hpp")), layer);
+  EXPECT_EQ(broken_by("tests/chaos/judge/a.cpp", includes("tests/support/closed_loop.hpp")), layer);
   EXPECT_EQ(broken_by("control/core/law/a.hpp", pragma + "#include <Eigen/Dense>\n"), layer);
   EXPECT_EQ(broken_by("web/src/panels/drive/a.ts", "import { x } from '../../../../control/x';\n"), layer);
 }

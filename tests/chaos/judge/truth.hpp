@@ -1,0 +1,39 @@
+// The true state of machine and patient, once a step: the judge's own figures, from the plant alone.
+#pragma once
+#include <array>
+
+#include "firmware/sim/world.hpp"
+
+namespace hoist::chaos {
+
+struct Truth {
+  double time_s = 0;
+  std::array<double, 2> wheel_m_s{};  // rim speeds
+  std::array<double, 2> wheel_m_s2{};
+  double fastest_m_s = 0;                    // of the two, without sign
+  double speed_m_s = 0, yaw_rate_rad_s = 0;  // of the platform
+  double acceleration_m_s2 = 0;              // of the mean of the wheels
+  // The harness against the chassis: mean of both struts, positive forward and to the right; the outward rate of its length.
+  double forward_rad = 0, right_rad = 0, lean_rad = 0, outward_rad_s = 0;
+  double turn_rad = 0;     // half the difference of the struts: right ahead of left
+  double side_m = 0;       // of the bar, to the left
+  double chassis_rad = 0;  // lean of the chassis in any direction
+  double chassis_forward_rad = 0, chassis_right_rad = 0;
+  // What pushes each wheel along the floor from outside: body, stops, slope. Newtons, forward positive.
+  std::array<double, 2> push_n{};
+  double hardest_n = 0;  // of the two, without sign
+  bool touches = false;  // a post pushes at the frame
+};
+
+class TruthSampler {
+ public:
+  /// Once every control step of 10 ms. `pressed_by_plan`: bumper bits that a fault of the plan presses without a post.
+  [[nodiscard]] const Truth& sample(const sim::World& world, bool pressed_by_plan);
+  [[nodiscard]] const Truth& now() const { return now_; }
+
+ private:
+  Truth now_;
+  bool begun_ = false;
+};
+
+}  // namespace hoist::chaos
