@@ -137,7 +137,8 @@ struct App::Parts {
                                        begin_retention();
                                        read_device();
                                      });
-                                   }}),
+                                   },
+                               .setting_up = [this] { return jobs.hold(); }}),
         records(recorder, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
         people(settings.accounts_path.empty() ? settings.db_path.parent_path() / "accounts.db" : settings.accounts_path,
                settings.hash_limits, [this](std::function<void()> work) { asio::post(io, std::move(work)); }),
@@ -531,9 +532,10 @@ bool App::start(std::string& error) {
   p.rest->base_url = (p.tls ? "https://" : "http://") + here + ":" + std::to_string(port);
   if (p.keeper && !p.open_plain_door(error)) return false;
   if (!is_loopback(p.settings.bind)) p.tell_other_devices();
-  p.jobs.start();
   p.people.start();
+  // Before the jobs, which wait until it has set the file up.
   p.recorder.start();
+  p.jobs.start();
   if (p.keeper) p.keeper->start();
   return true;
 }

@@ -146,10 +146,11 @@ Result<Accounts> Accounts::open(const std::filesystem::path& file, bool create) 
   });
 }
 
-Result<std::vector<User>> Accounts::users() const {
+Result<std::vector<User>> Accounts::users(std::string_view after, std::size_t limit) const {
   return guarded([&]() -> Result<std::vector<User>> {
     std::vector<User> out;
-    Statement row(handle_, std::string("SELECT ") + kUserColumns + " FROM users ORDER BY name");
+    Statement row(handle_, std::string("SELECT ") + kUserColumns + " FROM users WHERE name > ?1 ORDER BY name LIMIT ?2");
+    row.text(1, after).unsigned_integer(2, limit);
     while (row.step()) out.push_back(user_at(row));
     return out;
   });
@@ -286,13 +287,14 @@ Result<std::int64_t> Accounts::add_token(const Token& token) {
     return id;
   });
 }
-Result<std::vector<Token>> Accounts::tokens() const {
+Result<std::vector<Token>> Accounts::tokens(std::string_view user, std::int64_t after, std::size_t limit) const {
   return guarded([&]() -> Result<std::vector<Token>> {
     std::vector<Token> out;
     Statement row(
         handle_,
         "SELECT tokens.id, secret_sha256, users.name, display_name, role, tokens.name, scope, tokens.created_s, expires_s FROM tokens "
-        "JOIN users ON users.id = user_id WHERE enabled ORDER BY tokens.id");
+        "JOIN users ON users.id = user_id WHERE enabled AND (?1 = '' OR users.name = ?1) AND tokens.id > ?2 ORDER BY tokens.id LIMIT ?3");
+    row.text(1, user).integer(2, after).unsigned_integer(3, limit);
     while (row.step())
       out.push_back({row.integer_at(0), row.text_at(1), row.text_at(2), row.text_at(3), row.text_at(4), row.text_at(5), row.text_at(6),
                      row.integer_at(7), row.integer_at(8)});

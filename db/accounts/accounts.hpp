@@ -78,7 +78,8 @@ class Accounts {
   Accounts& operator=(Accounts&&) noexcept;
   ~Accounts();
 
-  Result<std::vector<User>> users() const;
+  /// By name, those behind `after`; empty = from the first one on.
+  Result<std::vector<User>> users(std::string_view after = {}, std::size_t limit = kMaxUsers) const;
   Result<std::optional<User>> find(std::string_view name) const;
   /// bad_value (name taken or ill-formed, display name, role), wrong_state (kMaxUsers).
   Status add(const User& user, std::int64_t now_s);
@@ -97,7 +98,8 @@ class Accounts {
 
   /// wrong_state (kMaxTokens), not_found (user). Returns its number.
   Result<std::int64_t> add_token(const Token& token);
-  Result<std::vector<Token>> tokens() const;
+  /// Oldest first, of enabled accounts, those with numbers above `after`; of this user only, unless empty.
+  Result<std::vector<Token>> tokens(std::string_view user = {}, std::int64_t after = 0, std::size_t limit = kMaxTokens) const;
   /// Of this user only, unless empty. not_found.
   Status remove_token(std::int64_t id, std::string_view user);
 

@@ -71,15 +71,15 @@ Result<MarkerInfo> row_to_change(sqlite3* handle, SessionId session, std::int64_
 
 }  // namespace
 
-Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session) const {
+Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session, std::int64_t after, std::size_t limit) const {
   return guarded([&]() -> Result<std::vector<MarkerInfo>> {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
     if (Statement known(handle, "SELECT 1 FROM sessions WHERE id = ?1"); !known.integer(1, session).step())
       return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
     std::vector<MarkerInfo> out;
-    Statement rows(handle, std::string(kRows) + "ORDER BY number");
-    rows.integer(1, session);
+    Statement rows(handle, std::string(kRows) + "AND number > ?2 ORDER BY number LIMIT ?3");
+    rows.integer(1, session).integer(2, after).unsigned_integer(3, limit);
     while (rows.step()) out.push_back(info_at(rows));
     return out;
   });

@@ -29,8 +29,8 @@ struct MarkerPatch {
 class MarkerStore {
  public:
   explicit MarkerStore(Database& database) : database_(&database) {}
-  /// In the order in which they were set.
-  Result<std::vector<MarkerInfo>> list(SessionId session) const;
+  /// In the order in which they were set, those with numbers above `after`.
+  Result<std::vector<MarkerInfo>> list(SessionId session, std::int64_t after, std::size_t limit) const;
   Result<MarkerInfo> change(SessionId session, std::int64_t number, const MarkerPatch& patch, const std::string& expected);
   /// Overwritten, too.
   Status remove(SessionId session, std::int64_t number, const std::string& expected);

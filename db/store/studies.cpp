@@ -145,11 +145,13 @@ Status finish_study(Database& database, StudyId study, std::string_view report, 
   });
 }
 
-Result<std::vector<StudyRow>> list_studies(Database& database) {
+Result<std::vector<StudyRow>> list_studies(Database& database, std::optional<StudyId> before, std::size_t limit) {
   return guarded([&]() -> Result<std::vector<StudyRow>> {
     Transaction transaction(database.handle(), Transaction::Kind::read);
     std::vector<StudyRow> all;
-    Statement rows(database.handle(), "SELECT id, made_utc_ns, report FROM studies WHERE report IS NOT NULL ORDER BY id DESC");
+    Statement rows(database.handle(),
+                   "SELECT id, made_utc_ns, report FROM studies WHERE report IS NOT NULL AND id < ?1 ORDER BY id DESC LIMIT ?2");
+    rows.integer(1, before.value_or(INT64_MAX)).unsigned_integer(2, limit);
     while (rows.step()) all.push_back(row_of(database.handle(), rows));
     return all;
   });

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,8 +42,8 @@ Result<SessionId> take_run(Database& database, const std::filesystem::path& from
 /// From here on lists tell the study. Errors: not_found, busy, disk_full, io.
 Status finish_study(Database& database, StudyId study, std::string_view report, const std::vector<StudyDrawing>& drawings);
 
-/// Finished studies, newest first.
-Result<std::vector<StudyRow>> list_studies(Database& database);
+/// Finished studies, newest first, those with numbers below `before`.
+Result<std::vector<StudyRow>> list_studies(Database& database, std::optional<StudyId> before, std::size_t limit);
 /// Errors: not_found (also: not finished).
 Result<StudyRow> read_study(Database& database, StudyId study);
 /// Errors: not_found.

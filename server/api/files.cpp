@@ -37,7 +37,9 @@ void respond_file(const CallPtr& call, Download download) {
   }
   ByteRange part{0, size};
   const std::string_view condition = call->request.header("if-range");
-  const std::string_view asked = condition.empty() || condition == download.etag ? call->request.header("range") : std::string_view{};
+  // A part of an answer to HEAD is not defined (RFC 9110, 14.2).
+  const bool takes_part = call->request.method == Method::get && (condition.empty() || condition == download.etag);
+  const std::string_view asked = takes_part ? call->request.header("range") : std::string_view{};
   switch (const RangeWish wish = read_range(asked, size, part); wish) {
     case RangeWish::none:
       break;

@@ -1,5 +1,6 @@
 // What routes that read the database share: numbers of a path or query, pages of lists, work on the recorder's thread.
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <functional>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "db/store/session_reader.hpp"
 #include "server/api/answers.hpp"
@@ -63,6 +65,23 @@ inline bool read_cursor(const CallPtr& call, std::optional<std::int64_t>& before
 template <typename Query>
 bool read_page(const CallPtr& call, Query& wanted) {
   return read_limit(call, wanted.limit, db::kMaxPage) && read_cursor(call, wanted.before);
+}
+
+// What a request names of a list whose rows have numbers: `last` is the number of the last row of the page before.
+struct ListPage {
+  std::size_t limit = 50;
+  std::optional<std::int64_t> last = {};
+};
+inline bool read_page(const CallPtr& call, ListPage& page) {
+  return read_limit(call, page.limit, db::kMaxPage) && read_cursor(call, page.last);
+}
+// A page of a list from up to `limit` + 1 rows. `cursor_of` gives the text by which a client names the row behind which it goes on.
+template <typename Row, typename ToJson, typename CursorOf>
+nlohmann::json page_json(const std::vector<Row>& rows, std::size_t limit, ToJson to_json, CursorOf cursor_of) {
+  nlohmann::json items = nlohmann::json::array(), next;
+  for (std::size_t i = 0; i < std::min(limit, rows.size()); ++i) items.push_back(to_json(rows[i]));
+  if (rows.size() > limit) next = cursor_of(rows[limit - 1]);
+  return {{"items", std::move(items)}, {"next", std::move(next)}};
 }
 
 inline nlohmann::json next_json(const std::optional<std::int64_t>& next) {

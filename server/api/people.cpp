@@ -21,7 +21,6 @@ using nlohmann::json;
 namespace {
 
 constexpr std::size_t kSecretBytes = 32, kDeviceBytes = 8;
-constexpr std::size_t kAuditPage = 50;
 constexpr std::uint64_t kPinTries = 5;
 
 std::uint64_t utc_s(const Call& call) { return static_cast<std::uint64_t>(call.services.utc_ns() / 1'000'000'000); }
@@ -423,12 +422,14 @@ void set_up(const CallPtr& call) {
 }
 
 void list_users(const CallPtr& call) {
+  ListPage page;
+  if (!read_limit(call, page.limit, db::kMaxPage)) return;
+  const std::string after = query(*call, "cursor").value_or("");
+  if (!after.empty() && !db::is_user_name(after)) return call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
   ask_store(
-      call, [](PeopleRoom& room) { return room.accounts.users(); },
-      [call](const std::vector<db::User>& users) {
-        json items = json::array();
-        for (const db::User& user : users) items.push_back(user_json(user));
-        call->respond(json{{"items", std::move(items)}});
+      call, [after, limit = page.limit](PeopleRoom& room) { return room.accounts.users(after, limit + 1); },
+      [call, limit = page.limit](const std::vector<db::User>& users) {
+        call->respond(page_json(users, limit, user_json, [](const db::User& user) { return user.name; }));
       });
 }
 
@@ -522,22 +523,28 @@ void change_user(const CallPtr& call) {
       });
 }
 
+namespace {
+json token_json(const db::Token& token) {
+  return {{"id", token.id},
+          {"user", token.user},
+          {"name", token.name},
+          {"scope", token.scope},
+          {"created_utc_s", token.created_s},
+          {"expires_utc_s", token.expires_s},
+          {"etag", token_tag(token)}};
+}
+// Whose tokens this person sees and removes; empty: everybody's.
+std::string token_owner(const Call& call) { return call.session->role == contract::Role::engineer ? "" : call.session->user; }
+}  // namespace
+
 void list_tokens(const CallPtr& call) {
-  const bool all = call->session->role == contract::Role::engineer;
+  ListPage page;
+  if (!read_page(call, page)) return;
   ask_store(
-      call, [](PeopleRoom& room) { return room.accounts.tokens(); },
-      [call, all](const std::vector<db::Token>& tokens) {
-        json items = json::array();
-        for (const db::Token& token : tokens)
-          if (all || token.user == call->session->user)
-            items.push_back({{"id", token.id},
-                             {"user", token.user},
-                             {"name", token.name},
-                             {"scope", token.scope},
-                             {"created_utc_s", token.created_s},
-                             {"expires_utc_s", token.expires_s},
-                             {"etag", token_tag(token)}});
-        call->respond(json{{"items", std::move(items)}});
+      call,
+      [page, user = token_owner(*call)](PeopleRoom& room) { return room.accounts.tokens(user, page.last.value_or(0), page.limit + 1); },
+      [call, limit = page.limit](const std::vector<db::Token>& tokens) {
+        call->respond(page_json(tokens, limit, token_json, [](const db::Token& token) { return std::to_string(token.id); }));
       });
 }
 
@@ -582,17 +589,15 @@ void remove_token(const CallPtr& call) {
     call->fail(problem_of(db::Error{db::ErrorKind::not_found, "there is no token " + text, {}}));
     return;
   }
-  const std::string user = call->session->role == contract::Role::engineer ? "" : call->session->user;
   ask_store(
       call,
-      [id, user, tag = given_tag(*call)](PeopleRoom& room) -> db::Status {
+      [id, user = token_owner(*call), tag = given_tag(*call)](PeopleRoom& room) -> db::Status {
         if (!tag.empty()) {
-          const auto tokens = room.accounts.tokens();
-          if (!tokens) return tokens.error();
+          const auto found = room.accounts.tokens(user, id - 1, 1);
+          if (!found) return found.error();
           // One that is not there, or not this person's, is told by the removal.
-          const auto found = std::ranges::find(*tokens, id, &db::Token::id);
-          if (found != tokens->end() && (user.empty() || found->user == user))
-            if (const db::Status same = db::check_tag(tag, token_tag(*found)); !same) return same;
+          if (!found->empty() && found->front().id == id)
+            if (const db::Status same = db::check_tag(tag, token_tag(found->front())); !same) return same;
         }
         return room.accounts.remove_token(id, user);
       },
@@ -605,36 +610,32 @@ void remove_token(const CallPtr& call) {
       });
 }
 
+namespace {
+json audit_json(const db::AuditRow& row) {
+  const auto& [id, entry, digest] = row;
+  const auto text = [](const std::optional<std::string>& value) { return value ? json(*value) : json(); };
+  return {{"id", id},
+          {"utc_ms", entry.utc_ms},
+          {"steady_ns", entry.steady_ns},
+          {"user", entry.user},
+          {"role", entry.role},
+          {"address", entry.address},
+          {"action", entry.action},
+          {"target", entry.target},
+          {"before", text(entry.before)},
+          {"after", text(entry.after)},
+          {"result", entry.result},
+          {"digest", digest}};
+}
+}  // namespace
+
 void get_audit(const CallPtr& call) {
-  struct {
-    std::size_t limit = kAuditPage;
-    std::optional<std::int64_t> before;
-  } wanted;
-  if (!read_page(call, wanted)) return;
-  const auto [limit, before] = wanted;
+  ListPage page;
+  if (!read_page(call, page)) return;
   ask_store(
-      call, [limit = limit, before = before](PeopleRoom& room) { return room.accounts.audit(before, limit + 1); },
-      [call, limit = limit](const std::vector<db::AuditRow>& rows) {
-        json items = json::array();
-        for (std::size_t i = 0; i < std::min(limit, rows.size()); ++i) {
-          const auto& [id, entry, digest] = rows[i];
-          const auto text = [](const std::optional<std::string>& value) { return value ? json(*value) : json(); };
-          items.push_back({{"id", id},
-                           {"utc_ms", entry.utc_ms},
-                           {"steady_ns", entry.steady_ns},
-                           {"user", entry.user},
-                           {"role", entry.role},
-                           {"address", entry.address},
-                           {"action", entry.action},
-                           {"target", entry.target},
-                           {"before", text(entry.before)},
-                           {"after", text(entry.after)},
-                           {"result", entry.result},
-                           {"digest", digest}});
-        }
-        json next;
-        if (rows.size() > limit) next = std::to_string(rows[limit - 1].id);
-        call->respond(json{{"items", std::move(items)}, {"next", std::move(next)}});
+      call, [page](PeopleRoom& room) { return room.accounts.audit(page.last, page.limit + 1); },
+      [call, limit = page.limit](const std::vector<db::AuditRow>& rows) {
+        call->respond(page_json(rows, limit, audit_json, [](const db::AuditRow& row) { return std::to_string(row.id); }));
       });
 }
 

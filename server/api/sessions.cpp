@@ -346,13 +346,15 @@ std::optional<MarkerPlace> marker_place(const CallPtr& call) {
 
 void list_markers(const CallPtr& call) {
   const auto id = session_id(call);
-  if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    const auto markers = db::MarkerStore(database).list(id);
+  ListPage page;
+  if (!id || !read_page(call, page)) return;
+  with_database(call, [id = *id, page, path = call->request.path](db::Database& database) -> Response {
+    // The first one has the number 0.
+    const auto markers = db::MarkerStore(database).list(id, page.last.value_or(-1), page.limit + 1);
     if (!markers) return store_error(markers.error(), path);
-    json items = json::array();
-    for (const db::MarkerInfo& marker : *markers) items.push_back(marker_json(id, marker));
-    return json_response({{"items", std::move(items)}});
+    return json_response(page_json(
+        *markers, page.limit, [id](const db::MarkerInfo& marker) { return marker_json(id, marker); },
+        [](const db::MarkerInfo& marker) { return std::to_string(marker.number); }));
   });
 }
 

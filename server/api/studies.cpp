@@ -10,21 +10,25 @@ namespace hoist::server::api {
 
 using nlohmann::json;
 
+namespace {
+json study_json(const db::StudyRow& study) {
+  const json report = json::parse(study.report);
+  return {{"id", study.id},
+          {"made_utc_ms", study.made_utc_ns / 1'000'000},
+          {"title", report.at("title")},
+          {"subjects", report.at("subjects")},
+          {"seed", report.at("seed")},
+          {"sessions", study.sessions.size()}};
+}
+}  // namespace
+
 void list_studies(const CallPtr& call) {
-  with_database(call, [path = call->request.path](db::Database& database) -> Response {
-    const auto studies = db::list_studies(database);
+  ListPage page;
+  if (!read_page(call, page)) return;
+  with_database(call, [page, path = call->request.path](db::Database& database) -> Response {
+    const auto studies = db::list_studies(database, page.last, page.limit + 1);
     if (!studies) return store_error(studies.error(), path);
-    json items = json::array();
-    for (const db::StudyRow& study : *studies) {
-      const json report = json::parse(study.report);
-      items.push_back({{"id", study.id},
-                       {"made_utc_ms", study.made_utc_ns / 1'000'000},
-                       {"title", report.at("title")},
-                       {"subjects", report.at("subjects")},
-                       {"seed", report.at("seed")},
-                       {"sessions", study.sessions.size()}});
-    }
-    return json_response({{"items", std::move(items)}});
+    return json_response(page_json(*studies, page.limit, study_json, [](const db::StudyRow& study) { return std::to_string(study.id); }));
   });
 }
 

@@ -108,7 +108,7 @@ db::Status take_back_unfinished(db::Database& database) {
 db::Result<std::optional<db::StudyId>> put_in(const JobTools& tools, const fs::path& file, const JobStep& step) {
   auto made = db::Database::attach(file);
   if (!made) return made.error();
-  const auto studies = db::list_studies(*made);
+  const auto studies = db::list_studies(*made, {}, 2);
   if (!studies) return studies.error();
   if (studies->size() != 1) return db::Error{db::ErrorKind::internal, "the study has written no report", {}};
   const db::StudyRow& row = studies->front();

@@ -12,6 +12,17 @@
 #include "db/summary/session_json.hpp"
 #include "server/jobs/deletion.hpp"
 
+namespace hoist::server {
+
+db::Result<db::Database> JobTools::open() const {
+  db::Result<db::Database> database = db::Database::attach(file);
+  // An older schema: jobs begin when the recorder has opened the file, so it has failed, and says why.
+  if (!database && database.error().kind == db::ErrorKind::wrong_state) return db::Error{db::ErrorKind::io, database.error().message, {}};
+  return database;
+}
+
+}  // namespace hoist::server
+
 namespace hoist::server::job {
 
 using nlohmann::json;

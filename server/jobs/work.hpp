@@ -53,8 +53,9 @@ struct JobTools {
   // From any thread: whether the wheels may turn. A study rests meanwhile.
   std::function<bool()> moving = {};
 
-  // A connection for this job: the file may be another one since the last, and nothing stays open while nothing runs.
-  [[nodiscard]] db::Result<db::Database> open() const { return db::Database::attach(file); }
+  // A connection for this job: the file may be another one since the last, and nothing stays open while nothing runs. Errors as of
+  // Database::attach; io for a file that the recorder could not set up.
+  [[nodiscard]] db::Result<db::Database> open() const;
 };
 struct JobYield {
   std::string result;                              // as JSON

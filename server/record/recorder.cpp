@@ -70,7 +70,14 @@ class Recorder::Work final : public Records {
         event_buffer_(kReadEvents),
         bus_buffer_(kReadFrames) {}
 
+  void hold_readers() {
+    if (owner_.options_.setting_up) readers_held_ = owner_.options_.setting_up();
+  }
   void open() {
+    open_file();
+    readers_held_.reset();
+  }
+  void open_file() {
     now_ns_ = owner_.options_.steady_ns();
     if (!writer_ && !open_writer()) return;
     if (!reading_) {
@@ -145,6 +152,7 @@ class Recorder::Work final : public Records {
     // Of a file that has been replaced since it was checked.
     if (const std::string own = writing_->file_id(); !own.empty() && own != file_id) return;
     if (session_open() && kind_ == Kind::standby) (void)try_end(db::CloseReason::finished);
+    hold_readers();
     close_file();
     end_again_.reset();
     damage_ = std::move(damage);
@@ -815,8 +823,9 @@ class Recorder::Work final : public Records {
   std::string error_;
   db::ErrorKind error_kind_{};  // of error_
   bool opened_ = false;         // this file was told as opened
-  std::string damage_;          // why the file is to be set aside; empty when it is not
-  std::string foreign_;         // why the file cannot be ours; empty when it is
+  std::shared_ptr<void> readers_held_;
+  std::string damage_;   // why the file is to be set aside; empty when it is not
+  std::string foreign_;  // why the file cannot be ours; empty when it is
   std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
@@ -851,6 +860,7 @@ Recorder::Recorder(const publish::ServerLink& link, Options options)
 Recorder::~Recorder() { stop(); }
 
 void Recorder::start() {
+  work_->hold_readers();
   thread_ = std::thread([this] { main(); });
 }
 

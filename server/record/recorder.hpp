@@ -109,6 +109,9 @@ class Recorder {
     std::function<void(const std::string&)> log = {};
     // On the recorder's thread, when a file is ready to be recorded into: at the start, and a new one in place of a damaged one.
     std::function<void()> opened = {};
+    // Keeps other readers away from a file that is being set up, as long as what it gives lives: another connection would find it without tables.
+    // Called by start(), and on the recorder's thread for a new file in place of a damaged one; released when the file is ready or has failed.
+    std::function<std::shared_ptr<void>()> setting_up = {};
   };
   // The link's readers are made here; the link itself is not used afterwards.
   Recorder(const publish::ServerLink& link, Options options);

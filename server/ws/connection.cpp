@@ -68,7 +68,8 @@ void SocketConnection::take(std::string_view bytes) {
         on_pong(message.payload);
         break;
       case Incoming::Kind::close:
-        close(CloseCode::normal, "");
+        // With the code that the client gave (RFC 6455 5.5.1), and without its reason.
+        close_with(make_frame(Opcode::close, std::string_view(message.payload).substr(0, 2)));
         break;
     }
   }
@@ -181,10 +182,12 @@ void SocketConnection::ping(std::string_view payload) {
   if (!waiting_) send(make_frame(Opcode::ping, payload));
 }
 
-void SocketConnection::close(CloseCode code, std::string_view reason) {
+void SocketConnection::close(CloseCode code, std::string_view reason) { close_with(make_close_frame(code, reason)); }
+
+void SocketConnection::close_with(SharedFrame last) {
   if (gone_ || closing_) return;
   telemetry_.clear();
-  control_.push_back(make_close_frame(code, reason));
+  control_.push_back(std::move(last));
   control_bytes_ += control_.back()->size();
   closing_ = true;
   leave();

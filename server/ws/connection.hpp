@@ -75,6 +75,7 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   void read();
   void take(std::string_view bytes);
   void flush();
+  void close_with(SharedFrame last);
   bool next_frame();
   void forget_all();
   void gone();

@@ -15,7 +15,6 @@ enum class Opcode : std::uint8_t { continuation = 0, text = 1, binary = 2, close
 
 // Close codes that we send.
 enum class CloseCode : std::uint16_t {
-  normal = 1000,
   going_away = 1001,
   protocol = 1002,
   not_text = 1003,

@@ -904,7 +904,7 @@ export function startFakeServer({
       people.push({ ...given, enabled: true, has_pin: false });
       return send(201, told(people.at(-1)));
     }
-    if (path === '/users') return send(200, { items: people.map(told) });
+    if (path === '/users') return send(200, { items: people.map(told), next: null });
     if (path.startsWith('/users/'))
       return send(
         200,
@@ -928,7 +928,7 @@ export function startFakeServer({
       });
       return send(201, { id: tokens.length, token: 'hoist_7mZk2Qw9xT4vLr8sJd3fGh6yBn1pCe5a' });
     }
-    if (path === '/tokens') return send(200, { items: tokens });
+    if (path === '/tokens') return send(200, { items: tokens, next: null });
     if (path.startsWith('/tokens/')) {
       tokens.splice(0, tokens.length, ...tokens.filter(({ id }) => !path.endsWith(`/${id}`)));
       return send(204, null);
@@ -1088,7 +1088,7 @@ export function startFakeServer({
       );
     }
     if (path === '/studies')
-      return send(200, { items: studies.map(({ id, made_utc_ms, report }) => ({ id, made_utc_ms, ...report, sessions: 54 })) });
+      return send(200, { items: studies.map(({ id, made_utc_ms, report }) => ({ id, made_utc_ms, ...report, sessions: 54 })), next: null });
     const [, studyId] = /^\/studies\/(\d+)$/.exec(path) ?? [];
     const study = studies.find(({ id }) => id === Number(studyId));
     if (studyId !== undefined) return study ? send(200, study) : send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
@@ -1164,7 +1164,7 @@ export function startFakeServer({
     if (path === '/sessions')
       return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
     const [, owner, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
-    if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 3 ? markers : [] });
+    if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 3 ? markers : [], next: null });
     if (owner !== undefined) {
       const marker = markers.find((row) => row.number === Number(number));
       if (request.headers['if-match'] !== `"${marker.etag}"`)

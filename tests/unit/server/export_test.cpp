@@ -26,7 +26,14 @@ TEST(Range, OnePartOfAFileAsRfc9110Says) {
            {"bytes=0-0", 100, kPart, 0, 1},
            {"bytes=10-19", 100, kPart, 10, 10},
            {"bytes=90-", 100, kPart, 90, 10},
+           {"bytes=99-", 100, kPart, 99, 1},
+           {"bytes=99-99", 100, kPart, 99, 1},
+           {"bytes=10-98", 100, kPart, 10, 89},
+           {"bytes= 10 - 19 ", 100, kPart, 10, 10},
            {"bytes=-10", 100, kPart, 90, 10},
+           {"bytes=-1", 100, kPart, 99, 1},
+           {"bytes=-100", 100, kPart, 0, 100},
+           {"bytes=0-", 1, kPart, 0, 1},
            {"bytes=-1000", 100, kPart, 0, 100},
            {"bytes=50-1000", 100, kPart, 50, 50},
            {"bytes=0-18446744073709551615", 100, kPart, 0, 100},
@@ -35,11 +42,20 @@ TEST(Range, OnePartOfAFileAsRfc9110Says) {
            {"bytes=99999999999999999999999-", 100, kOutside, 0, 0},
            {"bytes=-0", 100, kOutside, 0, 0},
            {"bytes=0-", 0, kOutside, 0, 0},
+           {"bytes=-5", 0, kOutside, 0, 0},
+           {"bytes=100-200", 100, kOutside, 0, 0},
            // What may be ignored.
            {"bytes=19-10", 100, kNone, 0, 0},
            {"bytes=0-1,5-6", 100, kNone, 0, 0},
            {"bytes=-", 100, kNone, 0, 0},
            {"bytes=a-b", 100, kNone, 0, 0},
+           {"bytes=a-5", 100, kNone, 0, 0},
+           {"bytes=5-a", 100, kNone, 0, 0},
+           {"bytes=a-", 100, kNone, 0, 0},
+           {"bytes=-a", 100, kNone, 0, 0},
+           {"bytes=5", 100, kNone, 0, 0},
+           {"bytes=", 100, kNone, 0, 0},
+           {"bytes", 100, kNone, 0, 0},
            {"bytes=+1-2", 100, kNone, 0, 0},
            {"bytes=1--2", 100, kNone, 0, 0},
            {"items=0-1", 100, kNone, 0, 0},
@@ -61,6 +77,8 @@ class Exports : public ServerTest {
     start_server();
   }
 
+  std::size_t samples_ = 2000;  // of each session
+
  private:
   void record() {
     auto database = db::Database::open(folder_ / "hoist.db");
@@ -73,7 +91,7 @@ class Exports : public ServerTest {
       start.started_utc_ns = 1'790'000'000'000'000'000;
       start.start_time_ns = 1;
       ASSERT_TRUE(writer->begin(start).ok());
-      std::vector<contract::TickRecord> records(2000);
+      std::vector<contract::TickRecord> records(samples_);
       for (std::size_t i = 0; i < records.size(); ++i) {
         records[i].tick = i;
         records[i].time_ns = 1 + i * 10'000'000;
@@ -145,6 +163,51 @@ TEST_F(Exports, AnMcapIsServedWholeAndInPartsByItsTag) {
   EXPECT_EQ(rows.count("export_mcap 404"), 1U);
   ASSERT_EQ(call("PATCH", "/api/v1/sessions/1", {{"note", "seen"}}).status, 200);
   EXPECT_NE(get(target).header("etag"), tag);
+}
+
+// A file is sent in pieces of 256 KiB; a part begins and ends anywhere.
+class LongExports : public Exports {
+ protected:
+  LongExports() { samples_ = 8000; }
+};
+TEST_F(LongExports, PartsOfAFileAreItsBytes) {
+  const std::string target = "/api/v1/sessions/2/export?format=mcap";
+  constexpr std::size_t kPiece = 256 * 1024;
+  const std::string whole = get(target).body;
+  ASSERT_GT(whole.size(), 2 * kPiece + 1000) << "three pieces";
+  for (const auto& [first, last] : {std::pair<std::size_t, std::size_t>{0, kPiece - 1},
+                                    {0, kPiece},
+                                    {kPiece - 1, kPiece},
+                                    {1, 2 * kPiece + 5},
+                                    {kPiece, whole.size() - 1},
+                                    {whole.size() - 1, whole.size() + 7}}) {
+    const Answer part = call("GET", target, nullptr, {{"Range", "bytes=" + std::to_string(first) + "-" + std::to_string(last)}});
+    const std::size_t length = std::min(last, whole.size() - 1) - first + 1;
+    EXPECT_EQ(part.status, 206) << first;
+    EXPECT_EQ(part.header("content-length"), std::to_string(length)) << first;
+    EXPECT_TRUE(part.body == whole.substr(first, length)) << first << " to " << last;
+  }
+}
+
+// RFC 9110: a part is defined for GET only (14.2), of the file that If-Range names by its strong tag (13.1.5); 304 comes before (13.2.2).
+TEST_F(Exports, APartIsAskedForByGetAndOfThisFile) {
+  const std::string target = "/api/v1/sessions/1/session.mcap";
+  const Answer whole = get(target);
+  const std::string size = std::to_string(whole.body.size()), tag = whole.header("etag");
+  const Answer head = call("HEAD", target, nullptr, {{"Range", "bytes=0-9"}});
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.header("content-length"), size);
+  EXPECT_EQ(head.header("content-range"), "");
+  EXPECT_EQ(call("HEAD", target, nullptr, {{"Range", "bytes=999999999-"}}).status, 200);
+  for (const std::string& other : {"W/" + tag, std::string("Wed, 21 Oct 2026 07:28:00 GMT")})
+    EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-Range", other}}).status, 200) << other;
+  EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-None-Match", tag}}).status, 304);
+  const Answer part = call("GET", target, nullptr, {{"Range", "bytes=0-9"}});
+  EXPECT_EQ(part.header("etag"), tag);
+  EXPECT_EQ(part.header("accept-ranges"), "bytes");
+  EXPECT_EQ(part.header("content-type"), whole.header("content-type"));
+  EXPECT_EQ(part.header("content-disposition"), whole.header("content-disposition"));
+  EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-0"}}).header("content-range"), "bytes 0-0/" + size);
 }
 
 TEST_F(Exports, ManySessionsAreAJobWithAFile) {

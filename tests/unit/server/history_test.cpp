@@ -1,6 +1,7 @@
 // What is asked over all sessions (changes of parameters, alarms, a patient's figures), what may be edited and for which state, and requests
 // that are sent twice.
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "control/contract/faults.hpp"
@@ -59,6 +60,21 @@ class History : public ServerTest {
     EXPECT_EQ(made.status, 201U) << made.body;
     return made.json();
   }
+  void add_user(const char* name) {
+    const json body{{"user", name}, {"display_name", "A"}, {"role", "engineer"}, {"password", kPassword}};
+    ASSERT_EQ(call("POST", "/api/v1/users", body).status, 201U);
+  }
+  // Of an account, after signing in by its name.
+  json add_token(const char* user) {
+    Headers page{{"X-Hoist", "1"}, {"Content-Type", "application/json"}};
+    const Answer in = http(port_, "POST", "/api/v1/session", page, json{{"user", user}, {"password", kPassword}}.dump());
+    EXPECT_EQ(in.status, 200U) << in.body;
+    page.emplace_back("Cookie", in.header("set-cookie").substr(0, in.header("set-cookie").find(';')));
+    const Answer made = http(port_, "POST", "/api/v1/tokens", page, json{{"name", "notebook"}, {"scope", "viewer"}, {"days", 1}}.dump());
+    EXPECT_EQ(made.status, 201U) << made.body;
+    return made.json();
+  }
+  static constexpr const char* kPassword = "four words not together";
 };
 
 TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
@@ -289,19 +305,8 @@ TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
   const std::string visit = "/api/v1/visits/" + get("/api/v1/visits").json()["items"][0]["id"].dump();
   const std::string marker = session + "/markers/" + get(session + "/markers").json()["items"][0]["number"].dump();
   const std::string profile = "/api/v1/profiles/" + call("POST", people + "/profiles", {{"name", "usual"}}).json()["id"].dump();
-  ASSERT_EQ(call("POST", "/api/v1/users",
-                 {{"user", "anna"}, {"display_name", "A"}, {"role", "engineer"}, {"password", "four words not together"}})
-                .status,
-            201U);
-
-  const Headers page{{"X-Hoist", "1"}, {"Content-Type", "application/json"}};
-  const Answer anna = http(port_, "POST", "/api/v1/session", page, json{{"user", "anna"}, {"password", "four words not together"}}.dump());
-  ASSERT_EQ(anna.status, 200U) << anna.body;
-  Headers signed_in = page;
-  signed_in.emplace_back("Cookie", anna.header("set-cookie").substr(0, anna.header("set-cookie").find(';')));
-  const Answer token =
-      http(port_, "POST", "/api/v1/tokens", signed_in, json{{"name", "notebook"}, {"scope", "viewer"}, {"days", 1}}.dump());
-  ASSERT_EQ(token.status, 201U) << token.body;
+  add_user("anna");
+  const json token = add_token("anna");
 
   struct Edit {
     const char* operation;
@@ -335,7 +340,7 @@ TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
        "/api/v1/parameters/lean_dead_band_norm",
        false},
       {"change_parameters", "PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.12}}, "/api/v1/parameters", false},
-      {"remove_token", "DELETE", "/api/v1/tokens/" + token.json()["id"].dump(), nullptr, "", false},
+      {"remove_token", "DELETE", "/api/v1/tokens/" + token["id"].dump(), nullptr, "", false},
       {"delete_session", "DELETE", session, nullptr, session, false},
       {"delete_patient", "DELETE", people, nullptr, people, true},
   };
@@ -377,6 +382,74 @@ TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
     EXPECT_EQ(tried.contains(std::string{route.operation}), takes_tag) << route.operation;
     if (route.method == server::Method::patch) {
       EXPECT_TRUE(takes_tag) << route.operation;
+    }
+  }
+}
+
+// A list that can grow is read in pages, which make up the whole; what is a table of the program, or is bounded, is one answer.
+TEST_F(History, EveryListThatCanGrowIsReadInPages) {
+  for (const char* name : {"anna", "bert", "cleo"}) add_user(name);
+  for (int i = 0; i < 3; ++i) add_token("anna");
+  patient("P-016");
+  const json person = patient("P-017");
+  const std::string people = "/api/v1/patients/" + person["id"].dump();
+  choose(person["id"]);
+  const std::string session = "/api/v1/sessions/" + std::to_string(begin_walk(false));
+  for (const char* text : {"Rest", "Help", "Good"}) ASSERT_EQ(call("POST", session + "/markers", {{"text", text}}).status, 201U);
+  end_walk();
+  begin_walk(false);
+  end_walk();
+  choose(nullptr);
+  const std::string profile = "/api/v1/profiles/" + call("POST", people + "/profiles", {{"name", "usual"}}).json()["id"].dump();
+  ASSERT_EQ(call("POST", people + "/profiles", {{"name", "brace"}}).status, 201U);
+  for (const double value : {0.11, 0.12}) set(kTuned, value);
+  change_to(0.12);
+  // Its rows are written after the answers, too.
+  EXPECT_TRUE(until([&] { return get("/api/v1/audit?limit=1").body.find("0.12") != std::string::npos; }));
+
+  // What is asked for, and how many rows there are at least.
+  const std::map<std::string, std::pair<std::string, std::size_t>> lists{{"list_users", {"/api/v1/users", 3}},
+                                                                         {"list_tokens", {"/api/v1/tokens", 3}},
+                                                                         {"get_audit", {"/api/v1/audit", 10}},
+                                                                         {"list_alarms", {"/api/v1/alarms", 0}},
+                                                                         {"list_parameter_history", {"/api/v1/parameters/history", 2}},
+                                                                         {"list_sessions", {"/api/v1/sessions", 2}},
+                                                                         {"list_visits", {"/api/v1/visits", 1}},
+                                                                         {"list_patients", {"/api/v1/patients", 2}},
+                                                                         {"get_trend", {people + "/trend", 2}},
+                                                                         {"list_profiles", {people + "/profiles", 2}},
+                                                                         {"list_profile_versions", {profile + "/versions", 1}},
+                                                                         {"list_markers", {session + "/markers", 3}},
+                                                                         {"list_studies", {"/api/v1/studies", 0}}};
+  for (const auto& [operation, list] : lists) {
+    const auto& [path, least] = list;
+    // Every answer is checked against OpenAPI.
+    const json whole = get(path + "?limit=50").json();
+    EXPECT_TRUE(whole["next"].is_null()) << operation;
+    EXPECT_GE(whole["items"].size(), least) << operation;
+    for (const std::size_t limit : {1U, 2U}) {
+      json joined = json::array();
+      std::string cursor;
+      do {
+        const json page = get(path + "?limit=" + std::to_string(limit) + "&cursor=" + cursor).json();
+        EXPECT_LE(page["items"].size(), limit) << operation;
+        for (const json& item : page["items"]) joined.push_back(item);
+        cursor = page["next"].is_null() ? "" : page["next"].get<std::string>();
+      } while (!cursor.empty() && joined.size() <= whole["items"].size());
+      EXPECT_EQ(joined, whole["items"]) << operation << " by " << limit;
+    }
+    for (const char* bad : {"?limit=0", "?limit=201", "?limit=x", "?cursor=%21"})
+      EXPECT_EQ(get(path + bad).status, 422U) << operation << bad;
+  }
+  const std::set<std::string_view> one_answer{"list_jobs",    "list_signals",    "list_faults", "list_modes",
+                                              "list_presets", "list_parameters", "list_tasks",  "list_exercises"};
+  for (const server::Route& route : server::kRoutes) {
+    const bool in_pages = std::ranges::any_of(server::kRouteInputs, [&](const server::RouteInput& input) {
+      return input.operation == route.operation && input.name == "cursor";
+    });
+    EXPECT_EQ(in_pages, lists.contains(std::string{route.operation})) << route.operation;
+    if (route.operation.starts_with("list_")) {
+      EXPECT_NE(in_pages, one_answer.contains(route.operation)) << route.operation;
     }
   }
 }

@@ -169,6 +169,20 @@ TEST_F(Queue, AJobGivesWayToADeletionAndBeginsAnew) {
   EXPECT_EQ(jobs.find(1)->state, JobState::done);
 }
 
+// Of an older schema, as a recorder leaves it that could not bring it up to date: no session is being recorded that a job would wait for.
+TEST_F(Queue, AFileThatIsNotSetUpIsAFaultOfTheStorage) {
+  sqlite3* file = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "hoist.db").c_str(), &file), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(file, "PRAGMA user_version = 1", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(file);
+  Jobs jobs(options());
+  ASSERT_TRUE(jobs.add(JobKind::recompute_metrics, {}, {}));
+  jobs.work_here();
+  EXPECT_EQ(jobs.find(1)->state, JobState::failed);
+  EXPECT_EQ(jobs.find(1)->reason, server::Reason::storage);
+  EXPECT_FALSE(jobs.find(1)->detail.empty());
+}
+
 TEST_F(Queue, DamagedPagesAreToldToTheRecorder) {
   damage_page(folder_ / "hoist.db");
   Jobs jobs(options());
@@ -248,6 +262,38 @@ class JobsRest : public ServerTest {
     core_->set([mode](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(mode); });
   }
 };
+
+// Another program reads the new file, so that the recorder cannot set it up yet.
+TEST_F(JobsRest, AJobWaitsUntilTheRecordingsAreSetUp) {
+  stop_server();
+  db_path_ = folder_ / "new.db";
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open(db_path_.c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr), SQLITE_OK);
+  start_server();
+  const std::string place = call("POST", "/api/v1/jobs", {{"kind", "recompute_metrics"}}).header("location");
+  EXPECT_EQ(get(place).json()["state"], "waiting");
+  ASSERT_EQ(sqlite3_exec(other, "ROLLBACK", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(other);
+  EXPECT_TRUE(until([&] { return get(place).json()["ended_utc_ms"] != nullptr; }));
+  EXPECT_EQ(get(place).json()["state"], "done") << get(place).body;
+}
+
+// A file that cannot be set up keeps no job waiting: what it needs not is done, the rest says why not.
+TEST_F(JobsRest, JobsBeginAlsoWhereTheRecordingsCannotBeSetUp) {
+  stop_server();
+  db_path_ = folder_ / "foreign.db";
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open(db_path_.c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "CREATE TABLE letters (text TEXT)", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(other);
+  start_server();
+  const std::string lists = call("POST", "/api/v1/jobs", {{"kind", "list_backups"}}).header("location"),
+                    needs = call("POST", "/api/v1/jobs", {{"kind", "recompute_metrics"}}).header("location");
+  EXPECT_TRUE(until([&] { return get(needs).json()["ended_utc_ms"] != nullptr; }));
+  EXPECT_EQ(get(lists).json()["state"], "done") << get(lists).body;
+  EXPECT_EQ(get(needs).json()["reason_code"], "storage") << get(needs).body;
+}
 
 TEST_F(JobsRest, AJobIsStartedFollowedAndAskedForItsResult) {
   ASSERT_TRUE(wait_file("sound")) << "each start checks the file";

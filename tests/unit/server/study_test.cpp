@@ -103,8 +103,6 @@ class StudyJob : public ServerTest {
     return line;
   }
   std::string start() {
-    // A new file of recordings is set up in the background first.
-    EXPECT_TRUE(until([&] { return get("/api/v1/sessions").status == 200 && get("/api/v1/studies").status == 200; }));
     const Answer started = call("POST", "/api/v1/jobs", {{"kind", "study"}, {"subjects", 2}, {"seed", 4}});
     EXPECT_EQ(started.status, 202) << started.body;
     return started.header("location");
@@ -156,6 +154,17 @@ TEST_F(StudyJob, ItsSessionsTablesAndDrawingsComeAmongTheRecordings) {
   EXPECT_NEAR(samples.dump().empty() ? 0 : samples["columns"][0]["max"][0].get<double>(), 3.199, 1e-9);
   EXPECT_NE(get("/api/v1/sessions/2/export?format=csv").body.find("0.25"), std::string::npos) << "with its settings";
   EXPECT_EQ(workshops(), 0U);
+}
+
+TEST_F(StudyJob, StudiesAreListedInPagesNewestFirst) {
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(ended(start())["state"], "done");
+  const json first = get("/api/v1/studies?limit=2").json();
+  ASSERT_EQ(first["items"].size(), 2U);
+  EXPECT_EQ(first["items"][0]["id"], 3);
+  const json second = get("/api/v1/studies?limit=2&cursor=" + first["next"].get<std::string>()).json();
+  ASSERT_EQ(second["items"].size(), 1U);
+  EXPECT_EQ(second["items"][0]["id"], 1);
+  EXPECT_TRUE(second["next"].is_null());
 }
 
 TEST_F(StudyJob, AStudyIsDeletedWithItsSessions) {

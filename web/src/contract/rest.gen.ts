@@ -679,6 +679,7 @@ export type MarkerKind = 'note' | 'help' | 'stumble' | 'rest' | 'good';
 
 export type MarkerList = {
   items: readonly MarkerRow[];
+  next: string | null;
 };
 
 export type MarkerPatch = {
@@ -1486,6 +1487,7 @@ export type StudyList = {
     subjects: number;
     title: string;
   })[];
+  next: string | null;
 };
 
 export type StudyRange = readonly number[];
@@ -1682,6 +1684,7 @@ export type Token = {
 
 export type TokenList = {
   items: readonly Token[];
+  next: string | null;
 };
 
 export type TokenMade = {
@@ -1880,6 +1883,7 @@ export type User = {
 
 export type UserList = {
   items: readonly User[];
+  next: string | null;
 };
 
 /** For signing in: a-z 0-9 . _ -. */
@@ -2370,6 +2374,7 @@ export interface Routes {
   /** Markers of a session, in the order in which they were set. */
   'GET /api/v1/sessions/{id}/markers': {
     path: { id: number };
+    query?: { limit?: number; cursor?: string };
     answer: MarkerList;
   };
   /** Sets a marker now in the session that is being recorded. */
@@ -2438,6 +2443,7 @@ export interface Routes {
   };
   /** The paper's experiment as virtual subjects have walked it here (job study), newest first. */
   'GET /api/v1/studies': {
+    query?: { limit?: number; cursor?: string };
     answer: StudyList;
   };
   /** Tables II and III of a study beside the paper's, paired tests, what was assumed and what comes out. */
@@ -2469,8 +2475,9 @@ export interface Routes {
     body: TimeRequest;
     answer: Time;
   };
-  /** Tokens of scripts and tools: one's own, an engineer sees all. */
+  /** Tokens of scripts and tools: one's own, an engineer sees all; oldest first. */
   'GET /api/v1/tokens': {
+    query?: { limit?: number; cursor?: string };
     answer: TokenList;
   };
   /** Makes a token; its text is shown once. */
@@ -2492,8 +2499,9 @@ export interface Routes {
     body: ToolsRequest;
     answer: Done;
   };
-  /** The accounts. */
+  /** The accounts, by name. */
   'GET /api/v1/users': {
+    query?: { limit?: number; cursor?: string };
     answer: UserList;
   };
   /** Adds an account. */

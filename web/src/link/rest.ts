@@ -75,3 +75,23 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
     return { ok: false, problem: { status: 0, code: '', errors: [], refusals: ['link_lost'], wait_s: null } };
   }
 }
+
+interface Page<T> {
+  items: readonly T[];
+  next: string | null;
+}
+/** The most rows that the server puts on a page. */
+const pageMost = 200;
+
+/** A short list as a whole: all its pages, one after the other. `page` requests one. */
+export async function wholeList<T>(page: (query: { limit: number; cursor?: string }) => Promise<Answer<Page<T>>>): Promise<Answer<{ items: T[] }>> {
+  const items: T[] = [];
+  let cursor: string | null = null;
+  do {
+    const answer: Answer<Page<T>> = await page({ limit: pageMost, ...(cursor === null ? {} : { cursor }) });
+    if (!answer.ok) return answer;
+    items.push(...answer.value.items);
+    cursor = answer.value.next;
+  } while (cursor !== null);
+  return { ok: true, value: { items } };
+}

@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import type { MarkerKind, MarkerPatch, MarkerRow } from '../../contract/rest.gen';
 import { notify } from '../../link/console';
 import { useQuery } from '../../link/query';
-import { rest, type Problem } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { duration, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
@@ -23,7 +23,7 @@ interface Props {
 
 export function Markers({ session, again, onChange }: Props) {
   const role = useStore((s) => s.role);
-  const asked = useQuery(() => rest('GET /api/v1/sessions/{id}/markers', { path: { id: session } }), [session, again]);
+  const asked = useQuery(() => wholeList((query) => rest('GET /api/v1/sessions/{id}/markers', { path: { id: session }, query })), [session, again]);
   const [open, setOpen] = useState<number | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const items = asked.value?.items ?? [];

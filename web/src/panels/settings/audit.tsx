@@ -1,7 +1,7 @@
 // Who did what, newest first, in sentences. Only read.
 import { useEffect, useState } from 'preact/hooks';
 import { useQuery } from '../../link/query';
-import { rest, type Problem } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import { date, t, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
 import { detail, patientOf, refusal, sentence, type Names, type Row } from './audit_text';
@@ -69,7 +69,7 @@ function Line({ row, names }: { row: Row; names: Names }) {
 
 /** Names of people, and codes of the patients in these rows: the log holds no code, so that it outlives a deleted patient. */
 function useNames(items: readonly Row[]): Names {
-  const users = useQuery(() => rest('GET /api/v1/users'), []);
+  const users = useQuery(() => wholeList((query) => rest('GET /api/v1/users', { query })), []);
   const steps = useQuery(() => rest('GET /api/v1/calibration'), []);
   const [codes, setCodes] = useState<ReadonlyMap<number, string | null>>(new Map());
   const wanted = [...new Set(items.map(patientOf))].filter((id) => id !== null && !codes.has(id)) as number[];

@@ -1,7 +1,7 @@
 // Access for programs: tokens with a scope and an end.
 import { useState } from 'preact/hooks';
 import { useQuery } from '../../link/query';
-import { rest, type Problem } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { date, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
@@ -12,7 +12,7 @@ const lives_days = [7, 30, 90, 365] as const;
 const nameMost = 64;
 
 export function TokensSection() {
-  const tokens = useQuery(() => rest('GET /api/v1/tokens'), []);
+  const tokens = useQuery(() => wholeList((query) => rest('GET /api/v1/tokens', { query })), []);
   const [adding, setAdding] = useState(false);
   const [secret, setSecret] = useState<string | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);

@@ -3,7 +3,7 @@ import { useState } from 'preact/hooks';
 import type { User } from '../../contract/rest.gen';
 import { notify } from '../../link/console';
 import { useQuery } from '../../link/query';
-import { rest, type Problem } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import { t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { FormButtons } from '../../ui/form_buttons';
@@ -15,7 +15,7 @@ const passwordLeast = 12;
 const passwordMost = 128;
 
 export function UsersSection() {
-  const users = useQuery(() => rest('GET /api/v1/users'), []);
+  const users = useQuery(() => wholeList((query) => rest('GET /api/v1/users', { query })), []);
   const [open, setOpen] = useState<string | null>(null); // account being changed; '' = the new one
   const close = () => {
     setOpen(null);

@@ -2,7 +2,7 @@
 import { useState } from 'preact/hooks';
 import { useJob } from '../../link/jobs';
 import { useQuery } from '../../link/query';
-import { rest } from '../../link/rest';
+import { rest, wholeList } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
 import { useSettings } from '../../text/settings';
@@ -18,7 +18,7 @@ export function StudyView({ part }: PanelProps) {
   useSettings();
   const role = useStore((s) => s.role);
   const [version, setVersion] = useState(0);
-  const list = useQuery(() => rest('GET /api/v1/studies'), [version]);
+  const list = useQuery(() => wholeList((query) => rest('GET /api/v1/studies', { query })), [version]);
   const items = list.value?.items ?? [];
   const chosen = part !== null && /^\d+$/.test(part) ? Number(part) : (items[0]?.id ?? null);
   const again = () => setVersion((before) => before + 1);
