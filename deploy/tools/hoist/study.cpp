@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "db/archive/archive.hpp"
 #include "db/store/database.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
@@ -31,7 +32,8 @@ using study::Results;
 
 constexpr const char* kHelp =
     "usage: hoist study --subjects N [--seed S] [--protocol FILE] [--out DB] [--figures FOLDER] [--json FILE]\n"
-    "       hoist study --recorded DB [--tag WORD | --study N] [--protocol FILE] [--figures FOLDER] [--json FILE]\n\n"
+    "       hoist study --recorded DB [--tag WORD | --study N] [--protocol FILE] [--figures FOLDER] [--json FILE]\n"
+    "       hoist study --archive TARGET [--from DAY] [--to DAY] [--tag WORD] [--protocol FILE] [--figures FOLDER] [--json FILE]\n\n"
     "Tables II and III of the paper, the paper's own beside them, and paired tests. The first form walks virtual subjects through the "
     "core, the\n"
     "nodes' firmware and the bus in virtual time, as the protocol says (without FILE: the paper's, see --protocol-text), records every run "
@@ -40,13 +42,18 @@ constexpr const char* kHelp =
     "whose note\n"
     "begins with \"run N\"; --tag takes only those whose note holds this word, --study the runs of a study of virtual subjects that the "
     "server has\n"
-    "made, or --out. --figures draws Figures 2, 7 and 8 (SVG), --json writes what the console shows. For programs: --begin-utc-ms dates "
+    "made, or --out. The third evaluates sessions of several hoists in one archive (hoist archive --help): those of these days in UTC, "
+    "from a "
+    "copy\n"
+    "that goes with the command. --figures draws Figures 2, 7 and 8 (SVG), --json writes what the console shows. For programs: "
+    "--begin-utc-ms dates "
     "the first "
     "session,\n"
     "--progress 1 prints \"progress DONE ALL\" after each run. Exit code 3: runs were left out, and which.\n";
 
 struct Request {
-  std::optional<std::string> recorded, protocol, out, figures, json;
+  std::optional<std::string> recorded, archive, protocol, out, figures, json;
+  db::ArchiveQuery days;
   study::Selection selection;
   study::StudyRequest walk{.subjects = 0};
 };
@@ -138,12 +145,26 @@ int tell(db::Database& database, const Request& request, const Protocol& protoco
   return results->left_out.empty() ? kDone : kPartly;
 }
 
+int refuse_scratch() {
+  std::fprintf(stderr, "hoist study: no temporary folder can be made\n");
+  return kRefused;
+}
+
+// Figures need whole sessions: they are fetched into a file that goes with the command.
+int tell_archive(const Request& request, const Protocol& protocol) {
+  const Scratch scratch;
+  if (scratch.path().empty()) return refuse_scratch();
+  auto archive = db::Archive::connect(*request.archive);
+  if (!archive) return refuse("study", archive.error());
+  auto database = db::Database::open(scratch.path() / "archive.db");
+  if (!database) return refuse("study", database.error());
+  if (const auto pulled = archive->pull(*database, request.days); !pulled) return refuse("study", pulled.error());
+  return tell(*database, request, protocol, std::nullopt);
+}
+
 int walk_and_tell(const Request& request, const Protocol& protocol) {
   const Scratch scratch;
-  if (!request.out && scratch.path().empty()) {
-    std::fprintf(stderr, "hoist study: no temporary folder can be made\n");
-    return kRefused;
-  }
+  if (!request.out && scratch.path().empty()) return refuse_scratch();
   const std::filesystem::path file = request.out ? std::filesystem::path(*request.out) : scratch.path() / "study.db";
   if (std::filesystem::exists(file)) return bad_usage("study", file.string() + " exists already");
   db::Result<db::Database> database = db::Database::open(file);
@@ -185,9 +206,10 @@ std::string read_option(std::string_view name, std::string_view value, Request& 
     if (!read_number<std::int64_t>(value, study, 1, 1'000'000'000)) return "--study: 1 to 1000000000";
     out.selection.study = study;
   } else {
-    const std::pair<std::string_view, std::optional<std::string>*> texts[] = {{"--recorded", &out.recorded}, {"--protocol", &out.protocol},
-                                                                              {"--out", &out.out},           {"--figures", &out.figures},
-                                                                              {"--json", &out.json},         {"--tag", &out.selection.tag}};
+    const std::pair<std::string_view, std::optional<std::string>*> texts[] = {
+        {"--recorded", &out.recorded}, {"--archive", &out.archive},   {"--from", &out.days.from_day},
+        {"--to", &out.days.to_day},    {"--protocol", &out.protocol}, {"--out", &out.out},
+        {"--figures", &out.figures},   {"--json", &out.json},         {"--tag", &out.selection.tag}};
     const auto at = std::ranges::find(texts, name, &std::pair<std::string_view, std::optional<std::string>*>::first);
     if (at == std::end(texts)) return std::string(name) + " is not known";
     if (value.empty()) return std::string(name) + " needs a value";
@@ -201,9 +223,12 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
   for (std::size_t i = 0; i + 1 < arguments.size(); i += 2)
     if (std::string wrong = read_option(arguments[i], arguments[i + 1], out); !wrong.empty()) return wrong;
   if (arguments.size() % 2 != 0) return std::string(arguments.back()) + " needs a value";
-  if (out.recorded.has_value() == (out.walk.subjects > 0)) return "say how many virtual subjects, or which recordings";
-  if (out.recorded && out.out) return "--out belongs to virtual subjects";
-  if (!out.recorded && (out.selection.tag || out.selection.study)) return "--tag and --study belong to --recorded";
+  const bool reads = out.recorded || out.archive;
+  if ((out.recorded && out.archive) || reads == (out.walk.subjects > 0)) return "say how many virtual subjects, or which recordings";
+  if (reads && out.out) return "--out belongs to virtual subjects";
+  if (!reads && out.selection.tag) return "--tag belongs to --recorded and --archive";
+  if (!out.recorded && out.selection.study) return "--study belongs to --recorded";
+  if (!out.archive && (out.days.from_day || out.days.to_day)) return "--from and --to belong to --archive";
   if (out.selection.tag && out.selection.study) return "either --tag or --study";
   return {};
 }
@@ -225,6 +250,7 @@ int run_study(std::span<const std::string_view> arguments) {
   const auto protocol =
       study::read_protocol(request.protocol ? file_text(*request.protocol) : std::string(study::paper_protocol()), problem);
   if (!protocol) return bad_usage("study", "the protocol: " + problem);
+  if (request.archive) return tell_archive(request, *protocol);
   if (!request.recorded) return walk_and_tell(request, *protocol);
   db::Result<db::Database> database = db::Database::attach(*request.recorded);
   if (!database) return refuse("study", database.error());

@@ -293,6 +293,37 @@ TEST_F(ArchiveTest, a_query_selects_by_patient_device_and_day) {
   }
 }
 
+// A study of several hoists, evaluated without a file in between: the same tables as of the sessions in one file.
+TEST_F(ArchiveTest, the_study_command_reads_the_sessions_of_all_hoists) {
+  Archive there = archive();
+  for (std::uint32_t number = 1; number <= 2; ++number) {
+    const std::string name = "hoist" + std::to_string(number);
+    Database database = open_at(dir_.file(name + ".db"));
+    const SessionId walk = record(database, number, "P-" + std::to_string(number));
+    SessionPatch patch;
+    patch.note = "run 1 #spring";
+    ASSERT_TRUE(SessionEditor(database).patch(walk, patch).ok());
+    ASSERT_TRUE(there.push(database, {name}).ok());
+  }
+  {
+    Database all = open_at(dir_.file("all.db"));
+    ASSERT_TRUE(there.pull(all, {}).ok());
+  }
+  const std::string tool = std::string(HOIST_BINARY_DIR) + "/bin/hoist study ", from = "--archive '" + target() + "'";
+  const Said told = run(tool + from);
+  EXPECT_EQ(told.exit_code, 3) << "walks of three seconds have no figures: " << told.output;
+  EXPECT_NE(told.output.find("; 2 subjects; recorded sessions"), std::string::npos) << told.output;
+  EXPECT_EQ(told.output, run(tool + "--recorded " + dir_.file("all.db")).output);
+  EXPECT_EQ(run(tool + from + " --tag spring").output, told.output);
+  EXPECT_EQ(run(tool + from + " --tag autumn").exit_code, 1);
+  EXPECT_EQ(run(tool + from + " --to 2000-01-01").exit_code, 1);
+  EXPECT_EQ(run(tool + from + " --from 2000-01-01").output, told.output);
+  EXPECT_EQ(run(tool + from + " --from yesterday").exit_code, 1);
+  EXPECT_EQ(run(tool + from + " --study 1").exit_code, 2);
+  EXPECT_EQ(run(tool + from + " --recorded " + dir_.file("all.db")).exit_code, 2);
+  EXPECT_EQ(run(tool + "--recorded " + dir_.file("all.db") + " --to 2000-01-01").exit_code, 2);
+}
+
 TEST_F(ArchiveTest, capital_and_small_letters_do_not_tell_codes_apart) {
   Archive there = archive();
   Database north = open_at(dir_.file("north.db"));
