@@ -1,5 +1,6 @@
 // The reference pages that people read.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <string>
@@ -13,6 +14,7 @@
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "control/safety/safety_file.hpp"
+#include "db/metrics/change.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "deploy/tools/gen/bus_load.hpp"
 #include "deploy/tools/gen/generate.hpp"
@@ -85,6 +87,18 @@ GeneratedFile metrics_page() {
   for (const auto& m : db::kMetrics)
     out += row({code(m.key), std::to_string(m.version), std::string(m.unit), std::string(m.doc), std::string(m.formula),
                 m.gate.empty() ? "every session" : std::string(m.gate), std::string(m.inputs), std::string(m.source)});
+  out +=
+      "\n## Change you may believe\n\n"
+      "The newest value against the first one, within one exercise and task. A change is told only beyond the minimal detectable change "
+      "(95 %): the larger one of the published one and of 1.96 sqrt(2) s, where s is the standard deviation of the patient's own walks "
+      "within visits, pooled over visits, with at least " +
+      std::to_string(db::kLeastRepeats) +
+      " degrees of freedom. Without either, none is told. Of many figures compared at once, one in twenty passes it by chance. "
+      "Published (`db/metrics/published_changes.def`):\n\n";
+  out += table_head({"figure", "first value from", "below", "minimal detectable change", "measured with", "source"});
+  for (const db::PublishedChange& one : db::published_changes())
+    out += row({code(one.figure), number_text(one.from), std::isinf(one.below) ? "" : number_text(one.below), number_text(one.minimal),
+                std::string(one.whom_en), std::string(one.source)});
   return {"db/metrics/metrics.gen.md", out};
 }
 

@@ -10,6 +10,7 @@ int run_sessions(std::span<const std::string_view> arguments);
 int run_export(std::span<const std::string_view> arguments);
 int run_sql_command(std::span<const std::string_view> arguments);
 int run_metrics(std::span<const std::string_view> arguments);
+int run_report(std::span<const std::string_view> arguments);
 int run_study(std::span<const std::string_view> arguments);
 int run_tune_advice(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
@@ -29,6 +30,7 @@ constexpr std::array kCommands = {
     Command{"export", "write recorded sessions in the formats of other programs", &run_export},
     Command{"sql", "ask a file of recordings in SQL, samples included", &run_sql_command},
     Command{"metrics", "the figures of recorded sessions, and whether told ones still hold", &run_metrics},
+    Command{"report", "recorded sessions as pages for print: for a patient, for a clinician, several in one table", &run_report},
     Command{"study", "the paper's experiment: virtual subjects or recorded sessions, Tables II and III", &run_study},
     Command{"tune-advice", "settings suggested from how a patient stood and walked", &run_tune_advice},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},

@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <random>
 
 #include "db/metrics/analysis.hpp"
+#include "db/metrics/change.hpp"
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
 #include "db/metrics/median.hpp"
+#include "db/metrics/metric_list.hpp"
 #include "db/metrics/normalised_ise.hpp"
 #include "db/metrics/paired_test.hpp"
 #include "db/metrics/table_mean.hpp"
@@ -210,6 +213,85 @@ TEST(PairedTest, GivesTheKnownValuesOfThePapersTables) {
   expect(j3, j6, 7, 3, 0.22);
   expect(c3, c6, 7, 4, 0.1875);
   EXPECT_FALSE(paired_test(c2, c2).p) << "nothing differs";
+}
+
+// Two walks in each visit, by turns 0.02, 0.04 and 0.06 apart: s^2 = (0.0002 + 0.0008 + 0.0018) / 3. The visits themselves are 1 apart.
+std::vector<Measured> walks(std::size_t visits) {
+  std::vector<Measured> out;
+  for (std::size_t visit = 1; visit <= visits; ++visit)
+    for (int walk = 0; walk < 2; ++walk)
+      out.push_back({.session = static_cast<std::int64_t>(2 * visit) + walk,
+                     .visit = static_cast<std::int64_t>(visit),
+                     .value = static_cast<double>(visit) + 0.02 * static_cast<double>((visit - 1) % 3 + 1) * walk});
+  return out;
+}
+
+TEST(Change, ComesFromRepeatsWithinVisitsOnly) {
+  EXPECT_FALSE(own_minimal_change(walks(9))) << "9 degrees of freedom say nothing";
+  const auto minimal = own_minimal_change(walks(12));
+  ASSERT_TRUE(minimal);
+  EXPECT_NEAR(*minimal, 1.96 * std::sqrt(2.0 * 0.0028 / 3), 1e-12);
+  std::vector<Measured> far = walks(12);
+  for (Measured& one : far) one.value += 1e6;
+  EXPECT_NEAR(*own_minimal_change(far), *minimal, 1e-9);
+  // Visits are told apart by their number, not by their order: 0 to 11 without 5, and between them one of another visit.
+  std::vector<Measured> mixed(12);
+  for (std::size_t i = 0; i < mixed.size(); ++i) mixed[i] = {.session = 1, .visit = i == 5 ? 2 : 1, .value = static_cast<double>(i)};
+  EXPECT_NEAR(own_minimal_change(mixed).value_or(0), 1.96 * std::sqrt(2.0 * (481 - 61.0 * 61 / 11) / 10), 1e-9);
+  EXPECT_FALSE(own_minimal_change(std::vector<Measured>(20, Measured{.session = 1, .visit = 1, .value = 2}))) << "nothing varied";
+}
+
+TEST(Change, IsToldBeyondTheMinimalOneOnly) {
+  EXPECT_FALSE(change_of("J_N", {}));
+  EXPECT_EQ(change_of("J_N", std::vector<Measured>{{1, 1, 5.0}, {2, 1, 9.0}})->why, NoChange::one_visit);
+  EXPECT_EQ(change_of("J_N", walks(9))->why, NoChange::few_repeats);
+  const auto real = change_of("J_N", walks(12));
+  EXPECT_EQ(real->why, NoChange::none);
+  EXPECT_EQ(real->repeats, 12U);
+  EXPECT_EQ(real->published, nullptr);
+  EXPECT_NEAR(real->difference(), 11.06, 1e-12);
+  std::vector<Measured> back = walks(12);
+  back.back().value = back.front().value - 0.05;
+  EXPECT_EQ(change_of("J_N", back)->why, NoChange::within_noise);
+}
+
+// The faster the first walk, the larger the minimal change (Lewek & Sykes 2019, Hosoi et al. 2023). Exactly that much is no change.
+TEST(Change, IsPublishedWhereTheLiteratureHasIt) {
+  const auto of = [](std::string_view figure, double first, double last) {
+    return *change_of(figure, std::vector<Measured>{{1, 1, first}, {2, 2, last}});
+  };
+  EXPECT_EQ(of("walking_speed_m_s", 0.25, 0.34).why, NoChange::within_noise);
+  EXPECT_EQ(of("walking_speed_m_s", 0.25, 0.36).why, NoChange::none);
+  EXPECT_EQ(of("walking_speed_m_s", 0.25, 0.14).why, NoChange::none) << "slower, too";
+  EXPECT_EQ(of("timed_speed_m_s", 0.4, 0.5).minimal, 0.15);
+  EXPECT_EQ(of("walking_speed_m_s", 0.8, 1.0).minimal, 0.21);
+  EXPECT_EQ(of("walking_speed_m_s", 0.5, 0.75).published->source, "Lewek & Sykes 2019");
+  EXPECT_EQ(of("cadence_steps_min", 80.0, 92.0).why, NoChange::within_noise);
+  EXPECT_EQ(of("cadence_steps_min", 80.0, 93.0).why, NoChange::none);
+  EXPECT_EQ(of("J_N", 1.0, 9.0).why, NoChange::few_repeats);
+}
+
+TEST(Change, OfAPatientWhoVariesMoreThanPublishedIsTheOwnOne) {
+  std::vector<Measured> varied = walks(12);
+  for (Measured& one : varied) one.value = 0.5 + 3 * std::fmod(one.value, 1.0);
+  const auto own = change_of("walking_speed_m_s", varied);
+  EXPECT_EQ(own->published, nullptr);
+  EXPECT_NEAR(*own->minimal, 3 * 1.96 * std::sqrt(2.0 * 0.0028 / 3), 1e-9);
+  for (Measured& one : varied) one.value = 0.5 + (one.value - 0.5) / 10;
+  EXPECT_EQ(change_of("walking_speed_m_s", varied)->minimal, 0.15);
+}
+
+// Every row names a figure, and the rows of a figure cover all values without a gap.
+TEST(Change, EveryPublishedRowFitsAFigure) {
+  std::map<std::string_view, double> reached;
+  for (const PublishedChange& one : published_changes()) {
+    EXPECT_EQ(std::ranges::count(kMetrics, one.figure, &MetricInfo::key), 1) << one.figure;
+    EXPECT_EQ(one.from, reached[one.figure]) << one.figure;
+    EXPECT_LT(one.from, one.below);
+    EXPECT_GT(one.minimal, 0);
+    reached[one.figure] = one.below;
+  }
+  for (const auto& [figure, below] : reached) EXPECT_TRUE(std::isinf(below)) << figure;
 }
 
 }  // namespace

@@ -1,0 +1,37 @@
+// Reports for print: one page for a patient, everything for a clinician, and several sessions as a group. Self-contained HTML without scripts; a
+// browser makes paper or PDF of it. Pseudonymous: patient codes, never names.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "db/report/options.hpp"
+#include "db/store/database.hpp"
+#include "db/store/result.hpp"
+#include "db/store/session_types.hpp"
+#include "db/summary/trend.hpp"
+
+namespace hoist::db {
+
+/// A session and its figures.
+struct ReportSession {
+  SessionInfo session;
+  SessionMetrics metrics;
+};
+/// Errors: not_found, not_now (still being recorded), corrupt, io.
+[[nodiscard]] Result<ReportSession> read_report_session(Database& database, SessionId session);
+
+/// The sessions that the progress of a report is made of: those of the same patient, this one and the newest before it. None of a simulated
+/// session and of one without a patient. Errors: busy, io.
+[[nodiscard]] Result<std::vector<TrendSession>> report_trend(Database& database, const SessionInfo& session);
+
+/// `trend`: the figures of report_trend, newest first (trend_entry). Errors: not_found, corrupt, io.
+[[nodiscard]] Result<std::string> session_report(Database& database, const ReportSession& of, std::span<const TrendEntry> trend,
+                                                 const ReportOptions& options);
+/// The same, with its session and trend read here.
+[[nodiscard]] Result<std::string> session_report(Database& database, SessionId session, const ReportOptions& options);
+
+/// The main figures of several sessions with mean and standard deviation over the valid ones. The kind of the options is not used.
+[[nodiscard]] std::string group_report(std::span<const ReportSession> sessions, const ReportOptions& options);
+
+}  // namespace hoist::db

@@ -1,0 +1,75 @@
+#include "db/summary/trend.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "db/metrics/metric_list.hpp"
+#include "db/store/exercise_json.hpp"
+#include "db/store/task_record.hpp"
+
+namespace hoist::db {
+
+using nlohmann::json;
+
+namespace {
+json task_name(const TrendSession& session) {
+  const auto task = task_of_stored(session.exercise_json);
+  return task ? json(task->task) : json(nullptr);
+}
+
+// What makes walks comparable. Free walking is no exercise, or one that only a task names.
+std::pair<json, json> kind_of(const TrendSession& session) {
+  json exercise = exercise_as_told(session.exercise_json);
+  if (exercise.is_null()) exercise = {{"shape", "free"}};
+  return {std::move(exercise), task_name(session)};
+}
+
+// The comparable entries in groups, what was walked last first.
+std::vector<std::vector<const TrendEntry*>> groups_of(std::span<const TrendEntry> entries) {
+  std::vector<std::pair<json, json>> kinds;
+  std::vector<std::vector<const TrendEntry*>> groups;
+  for (const TrendEntry& entry : entries) {
+    auto kind = kind_of(entry.session);
+    const auto at = std::ranges::find(kinds, kind) - kinds.begin();
+    if (at == std::ssize(kinds)) {
+      kinds.push_back(std::move(kind));
+      groups.emplace_back();
+    }
+    groups[static_cast<std::size_t>(at)].push_back(&entry);
+  }
+  return groups;
+}
+
+// The valid values of a figure, oldest first.
+std::vector<Measured> values_of(std::span<const TrendEntry* const> newest_first, std::size_t figure) {
+  std::vector<Measured> values;
+  for (const TrendEntry* entry : newest_first)
+    if (entry->metrics && entry->metrics->figures[figure].value)
+      values.push_back({entry->session.session, entry->session.visit, *entry->metrics->figures[figure].value});
+  std::ranges::reverse(values);
+  return values;
+}
+}  // namespace
+
+Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session) {
+  auto metrics = session_metrics(database, session.session);
+  if (metrics) return std::optional(TrendEntry{session, std::move(*metrics)});
+  if (metrics.error().kind == ErrorKind::not_found) return std::optional<TrendEntry>{};
+  // A damaged recording is a gap in the trend, not its end.
+  if (metrics.error().kind == ErrorKind::corrupt) return std::optional(TrendEntry{session, std::nullopt});
+  return metrics.error();
+}
+
+bool comparable(const TrendSession& a, const TrendSession& b) { return kind_of(a) == kind_of(b); }
+
+std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries) {
+  std::vector<FigureChange> all;
+  for (const auto& group : groups_of(entries))
+    for (std::size_t i = 0; i < kMetrics.size(); ++i)
+      if (const auto change = change_of(kMetrics[i].key, values_of(group, i)))
+        all.push_back({.walked = group.front()->session, .figure = kMetrics[i].key, .change = *change});
+  return all;
+}
+
+}  // namespace hoist::db

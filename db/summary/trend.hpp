@@ -1,0 +1,33 @@
+// A patient's figures over the sessions, and which of them have changed by more than they vary by themselves.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "db/metrics/change.hpp"
+#include "db/store/trend.hpp"
+#include "db/summary/session_metrics.hpp"
+
+namespace hoist::db {
+
+/// One session of a trend with its figures; none: its recording is damaged.
+struct TrendEntry {
+  TrendSession session;
+  std::optional<SessionMetrics> metrics;
+};
+/// Nothing when the session was deleted meanwhile. Errors: busy, io.
+Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session);
+
+/// Whether two walks may be compared: the same exercise with the same sizes, and the same task, whichever repetition.
+[[nodiscard]] bool comparable(const TrendSession& a, const TrendSession& b);
+
+struct FigureChange {
+  TrendSession walked;  ///< one of the compared sessions: their exercise and task
+  std::string_view figure;
+  Change change;
+};
+/// Of each figure that has a value in comparable walks. `entries`: newest first, as trend_sessions gives them; what was walked last comes first.
+[[nodiscard]] std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries);
+
+}  // namespace hoist::db

@@ -1,0 +1,283 @@
+// Reports: every number is the stored one, no figure stands where its gate is closed, and no text becomes markup.
+#include "db/report/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iomanip>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <regex>
+#include <sstream>
+
+#include "control/contract/program_version.hpp"
+#include "db/report/pictures.hpp"
+#include "db/summary/session_json.hpp"
+#include "tests/support/shell.hpp"
+#include "tests/unit/db/db_support.hpp"
+
+namespace hoist::db::test {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kEvil = "<script>alert(1)</script>";
+constexpr std::array kLanguages{Language::en, Language::de};
+
+// A patient's walks of one eight, none of them simulated.
+struct Recorded {
+  TemporaryFolder dir;
+  Database database = std::move(*Database::open(dir / "hoist.db"));
+  SessionWriter writer = std::move(*SessionWriter::create(database));
+  std::vector<SessionId> sessions;
+
+  void walk(std::string subject, std::string note, bool simulated = false) {
+    const auto seed = static_cast<std::uint32_t>(sessions.size() + 1);
+    SessionStart start;
+    start.subject = std::move(subject);
+    start.started_utc_ns = kStartUtc_ns + static_cast<std::int64_t>(seed) * 86'400'000'000'000;
+    start.start_time_ns = kStart_ns;
+    start.software_version = "1.0";
+    start.note = std::move(note);
+    start.simulated = simulated;
+    start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+    std::vector<double> values;
+    for (const contract::ParamInfo& param : contract::kParams) values.push_back(param.default_value);
+    start.parameter_values = values;
+    sessions.push_back(*writer.begin(start));
+    EXPECT_TRUE(writer.append_ticks(Walk(seed).records(1, 3000)).ok());
+  }
+  void end() { EXPECT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok()); }
+  [[nodiscard]] std::string report(SessionId id, ReportKind kind = ReportKind::full, Language language = Language::en) {
+    const auto page = session_report(database, id, {kind, language, "test"});
+    EXPECT_TRUE(page.ok()) << (page.ok() ? "" : page.error().message);
+    return page.ok() ? *page : std::string();
+  }
+};
+
+std::string unescaped(std::string text) {
+  for (const auto& [from, to] : {std::pair{"&lt;", "<"}, std::pair{"&gt;", ">"}, std::pair{"&quot;", "\""}, std::pair{"&amp;", "&"}})
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + 1))
+      text.replace(at, std::string(from).size(), to);
+  return text;
+}
+
+// What stands in the full report as the value of this figure.
+std::string shown(const std::string& page, const MetricInfo& figure) {
+  const std::string mark = ">" + std::string(figure.key) + " v";
+  const std::size_t definition = page.find(mark);
+  if (definition == std::string::npos) return "no row";
+  const std::size_t end = page.rfind("</td>", definition), begin = page.rfind('>', end) + 1;
+  return unescaped(page.substr(begin, end - begin));
+}
+
+// By the stream of the standard library, from the unit's name alone.
+std::string expected(const MetricInfo& figure, double value, Language language) {
+  const std::string unit(figure.screen_unit);
+  const bool hundred = unit == "%" || (unit == "cm" && figure.unit == "m");
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(figure.digits) << std::fabs(value) * (unit == "°" ? 180 / std::numbers::pi : hundred ? 100 : 1);
+  std::string text = out.str();
+  if (value < 0 && text.find_first_of("123456789") != std::string::npos) text.insert(0, "\u2212");
+  if (language == Language::de) std::ranges::replace(text, '.', ',');
+  return text + (unit.empty() || unit == "°" ? "" : "\u00a0") + unit;
+}
+
+TEST(Report, EveryFigureHasTheDigitsOfItsValueOrSaysWhyNot) {
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  const json told = *session_metrics_json(r.database, r.sessions.front());
+  std::size_t valid = 0, closed = 0;
+  for (const Language language : kLanguages) {
+    const std::string page = r.report(r.sessions.front(), ReportKind::full, language);
+    for (const MetricInfo& figure : kMetrics) {
+      const json& value = told.at(std::string(figure.key));
+      const std::string text = shown(page, figure);
+      if (value.is_number()) {
+        EXPECT_EQ(text, expected(figure, value.get<double>(), language)) << figure.key;
+        ++valid;
+        continue;
+      }
+      ++closed;
+      EXPECT_EQ(text.find_first_of("0123456789"), text.find("45°")) << figure.key << ": " << text;
+      const std::string why = told["computed"][std::string(figure.key)]["reason_code"];
+      if (language == Language::en) {
+        const auto sentence = [&]() -> std::string_view {
+#define HOIST_NO_FIGURE(name, text_en, text_de) \
+  if (why == #name) return text_en;
+#include "db/metrics/no_figure.def"
+#undef HOIST_NO_FIGURE
+          return "?";
+        }();
+        EXPECT_EQ(text, "Not valid: " + std::string(sentence)) << figure.key;
+      }
+    }
+  }
+  EXPECT_GT(valid, 40U);
+  EXPECT_GT(closed, 10U) << "no task, no lap";
+}
+
+TEST(Report, NoTextBecomesMarkup) {
+  Recorded r;
+  r.walk(kEvil, std::string("\"><img src=x onerror=alert(2)> & ") + kEvil);
+  EXPECT_TRUE(r.writer.append_marker(50, kStartUtc_ns + 500'000'000, kEvil, {}, "help").ok());
+  r.end();
+  for (const ReportKind kind : {ReportKind::patient, ReportKind::full}) {
+    const std::string page = r.report(r.sessions.front(), kind);
+    EXPECT_EQ(page.find("<script"), std::string::npos);
+    EXPECT_EQ(page.find("<img"), std::string::npos);
+    EXPECT_NE(page.find("<b>&lt;script&gt;alert(1)&lt;/script&gt;</b>"), std::string::npos);
+  }
+  const std::string full = r.report(r.sessions.front());
+  EXPECT_NE(full.find("Note: &quot;&gt;&lt;img src=x onerror=alert(2)&gt; &amp; &lt;script&gt;"), std::string::npos);
+  EXPECT_NE(full.find("<td>Helped</td><td>&lt;script&gt;alert(1)&lt;/script&gt;</td>"), std::string::npos);
+  const std::string group = group_report(std::array{*read_report_session(r.database, r.sessions.front())}, {});
+  EXPECT_EQ(group.find("<script"), std::string::npos);
+  EXPECT_NE(group.find("<td>&lt;script&gt;"), std::string::npos);
+}
+
+TEST(Report, BothLanguagesAreWhole) {
+  const auto gaps = [](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find("{}"); at != std::string::npos; at = text.find("{}", at + 1)) ++count;
+    return count;
+  };
+#define HOIST_REPORT_WORD(name, text_en, text_de) std::pair{report::Word::name, std::string_view(#name)},
+  for (const auto& [word, name] : {
+#include "db/report/words.def"
+       }) {
+    const std::string en = report::word(word, Language::en), de = report::word(word, Language::de);
+    EXPECT_FALSE(en.empty() || de.empty()) << name;
+    EXPECT_EQ(gaps(en), gaps(de)) << name;
+  }
+#undef HOIST_REPORT_WORD
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  const std::string en = r.report(r.sessions.front()), de = r.report(r.sessions.front(), ReportKind::full, Language::de);
+  EXPECT_NE(en.find("<html lang=\"en\">"), std::string::npos);
+  EXPECT_NE(de.find("<html lang=\"de\">"), std::string::npos);
+  for (const MetricInfo& figure : kMetrics) {
+    EXPECT_NE(en.find("<td>" + std::string(figure.title_en) + "</td>"), std::string::npos) << figure.key;
+    EXPECT_NE(de.find("<td>" + std::string(figure.title_de) + "</td>"), std::string::npos) << figure.key;
+  }
+  for (const contract::ParamInfo& param : contract::kParams)
+    EXPECT_NE(unescaped(de).find("<td>" + std::string(param.title_de) + "</td>"), std::string::npos) << param.name;
+}
+
+// A trend that was made up: this session, and earlier ones of the same exercise with one other figure.
+std::vector<TrendEntry> trend_of(const ReportSession& now, std::string_view figure, const std::vector<double>& earlier) {
+  const auto entry = [&](SessionId id, std::int64_t visit, double value) {
+    TrendEntry one{{.session = id, .visit = visit, .day = "2026-09-0" + std::to_string(visit), .exercise_json = now.session.exercise_json},
+                   now.metrics};
+    one.metrics->figures[static_cast<std::size_t>(std::ranges::find(kMetrics, figure, &MetricInfo::key) - kMetrics.begin())] = {value};
+    return one;
+  };
+  std::vector<TrendEntry> all{entry(now.session.id, 9, now.metrics[figure].value.value())};
+  for (std::size_t i = 0; i < earlier.size(); ++i) all.push_back(entry(now.session.id - 1 - static_cast<SessionId>(i), 1, earlier[i]));
+  return all;
+}
+
+TEST(Report, AnArrowStandsOnlyBeyondTheMinimalDetectableChange) {
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  const ReportSession now = *read_report_session(r.database, r.sessions.front());
+  const double speed_m_s = now.metrics["walking_speed_m_s"].value.value();
+  const auto page = [&](std::string_view figure, double before, ReportKind kind) {
+    return *session_report(r.database, now, trend_of(now, figure, {before}), {kind, Language::en, "test"});
+  };
+  const std::string faster = page("walking_speed_m_s", speed_m_s - 0.25, ReportKind::full);
+  EXPECT_NE(faster.find("<td>↑ 0.25\u00a0m/s</td>"), std::string::npos);
+  EXPECT_NE(faster.find("Lewek &amp; Sykes 2019"), std::string::npos);
+  EXPECT_NE(page("walking_speed_m_s", speed_m_s - 0.25, ReportKind::patient)
+                .find("↑ Mean speed while walking: 0.25\u00a0m/s more than on 2026-09-01"),
+            std::string::npos);
+  for (const ReportKind kind : {ReportKind::patient, ReportKind::full})
+    for (const std::string& none : {page("walking_speed_m_s", speed_m_s - 0.05, kind), page("walked_m", 0.1, kind)}) {
+      EXPECT_EQ(none.find("↑"), std::string::npos);
+      EXPECT_EQ(none.find("↓"), std::string::npos);
+      EXPECT_NE(none.find("<svg class=\"progress\""), std::string::npos);
+    }
+  EXPECT_EQ(r.report(r.sessions.front()).find("<svg class=\"progress\""), std::string::npos) << "the first walk has no progress";
+}
+
+TEST(Report, ASimulatedSessionSaysSoAndHasNoProgress) {
+  Recorded r;
+  for (const bool simulated : {false, false, true}) {
+    r.walk("P-01", "", simulated);
+    r.end();
+  }
+  EXPECT_TRUE(report_trend(r.database, *SessionReader(r.database).get(r.sessions[2]))->empty());
+  EXPECT_EQ(report_trend(r.database, *SessionReader(r.database).get(r.sessions[0]))->size(), 1U) << "what came later is not of this report";
+  EXPECT_EQ(report_trend(r.database, *SessionReader(r.database).get(r.sessions[1]))->size(), 2U);
+  EXPECT_NE(r.report(r.sessions[2]).find("Simulation: nobody walked."), std::string::npos);
+  EXPECT_EQ(r.report(r.sessions[1]).find("Simulation"), std::string::npos);
+  EXPECT_NE(r.report(r.sessions[1]).find("<h2>Progress</h2>"), std::string::npos);
+}
+
+TEST(Report, AGroupCountsValidValuesOnly) {
+  Recorded r;
+  for (int i = 0; i < 3; ++i) {
+    r.walk("P-01", "");
+    r.end();
+  }
+  std::vector<ReportSession> sessions;
+  for (const SessionId id : r.sessions) sessions.push_back(*read_report_session(r.database, id));
+  const auto walked = static_cast<std::size_t>(std::ranges::find(kMetrics, "walked_m", &MetricInfo::key) - kMetrics.begin());
+  sessions[0].metrics.figures[walked] = {10.0};
+  sessions[1].metrics.figures[walked] = {13.0};
+  sessions[2].metrics.figures[walked] = no_figure(NoFigure::part_missing);
+  const std::string page = group_report(sessions, {.kind = {}, .language = Language::de, .program = "test"});
+  EXPECT_NE(page.find("<td class=\"number\">11,5\u00a0m</td>"), std::string::npos) << "mean";
+  EXPECT_NE(page.find("<td class=\"number\">2,1\u00a0m</td>"), std::string::npos) << "3 / sqrt(2)";
+  EXPECT_NE(page.find("<td class=\"absent\">Nicht gültig: Ein Teil dieses Wegs"), std::string::npos);
+  EXPECT_NE(page.find("<td class=\"number\">2</td>"), std::string::npos) << "valid values";
+}
+
+TEST(Report, NumbersRoundAsInABrowser) {
+  const auto en = [](double value, int decimals) { return report::number_text(value, decimals, Language::en); };
+  EXPECT_EQ(en(0.125, 2), "0.13");
+  EXPECT_EQ(en(2.5, 0), "3");
+  EXPECT_EQ(en(-2.5, 0), "\u22123");
+  EXPECT_EQ(en(1.005, 2), "1.00") << "the double is below";
+  EXPECT_EQ(en(9.995, 2), "9.99");
+  EXPECT_EQ(en(99.96, 1), "100.0");
+  EXPECT_EQ(en(-0.04, 1), "0.0");
+  EXPECT_EQ(report::number_text(-1234.5, 1, Language::de), "\u22121234,5");
+}
+
+TEST(Report, TheToolWritesTheSamePages) {
+  Recorded r;
+  for (int i = 0; i < 2; ++i) {
+    r.walk("P-01", "#trial");
+    r.end();
+  }
+  const std::string out = (r.dir / "out").string();
+  const auto result = hoist::test::run_shell(std::string(HOIST_BINARY_DIR) + "/bin/hoist report " + (r.dir / "hoist.db").string() +
+                                             " --tag trial --language de --kind patient --out " + out);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("2 of 2 reports written"), std::string::npos);
+  const auto file = [&](const std::string& name) {
+    std::ifstream in(std::filesystem::path(out) / name);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  for (const SessionId id : r.sessions) {
+    const auto page = session_report(r.database, id, {ReportKind::patient, Language::de, std::string(contract::program_version())});
+    EXPECT_EQ(file("session-" + std::to_string(id) + ".html"), *page);
+  }
+  EXPECT_NE(file("group.html").find("Bericht über mehrere Sitzungen"), std::string::npos);
+}
+
+TEST(Report, ASessionThatIsBeingRecordedHasNone) {
+  Recorded r;
+  r.walk("P-01", "");
+  EXPECT_EQ(read_report_session(r.database, r.sessions.front()).error().kind, ErrorKind::wrong_state);
+  EXPECT_EQ(read_report_session(r.database, 99).error().kind, ErrorKind::not_found);
+}
+
+}  // namespace
+}  // namespace hoist::db::test
