@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
@@ -201,7 +202,8 @@ Status add_alarms(Page& page, Database& database, const SessionInfo& session) {
 }
 
 Status add_marks(Page& page, Database& database, const SessionInfo& session) {
-  const auto marks = MarkerStore(database).list(session.id);
+  constexpr std::size_t kAll = std::numeric_limits<std::int32_t>::max();
+  const auto marks = MarkerStore(database).list(session.id, -1, kAll);
   if (!marks) return marks.error();
   if (marks->empty()) return {};
   page.heading(page.w(Word::marks));
