@@ -161,6 +161,15 @@ TEST(ChaosBites, I1WheelsThatGoOnAfterAStop) {
                     }),
                     "I1"));
 }
+TEST(ChaosBites, I1WheelsThatGoOnWithoutTheirDriver) {
+  SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs& out) {
+    if (core.mode == Mode::remote && core.lease.holder == 0) command_wheels(out, 90'000, 90'000);
+  });
+  options.seed = 6;  // drives at 18 s
+  options.length_s = 24;
+  options.faults = std::vector<Fault>{{Kind::logout, contract::Node::io, 18.0, 18.1, 0.5}};
+  EXPECT_TRUE(bites(options, "I1"));
+}
 TEST(ChaosBites, I11AFaultThatIsNotTold) {
   SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs& out) {
     core.latched &= ~contract::fault_bit(contract::Fault::io_lost);
