@@ -31,8 +31,10 @@ constexpr std::string_view kStyle =
     "figure{margin:0 0 3mm;break-inside:avoid}.pictures{display:grid;grid-template-columns:repeat(auto-fit,minmax(75mm,1fr));gap:4mm}"
     "svg{width:100%;max-height:85mm}svg.progress{font-size:11px}footer{margin-top:6mm}";
 
-// A group has many columns.
-constexpr std::string_view kWideStyle = "@page{size:A4 landscape}body{max-width:269mm;font-size:9pt}";
+// A group has many columns: their titles wrap, their words stay whole.
+constexpr std::string_view kWideStyle =
+    "@page{size:A4 "
+    "landscape}body{max-width:269mm;font-size:9pt}th{vertical-align:bottom}th.number{white-space:normal}td{overflow-wrap:normal}";
 
 std::string_view style_name(Cell::Style style) {
   static constexpr std::array<std::string_view, 5> kNames{"", "number", "small", "english", "absent"};
