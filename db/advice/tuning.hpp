@@ -58,7 +58,7 @@ struct TuningRule {
 /// Bounds of the advice, narrower than those of the parameters (assumed): a dead band below kBandLeast is within the sensors' own error, one
 /// above kBandMost takes more than a fifth of the patient's wish away.
 inline constexpr double kBandLeast_norm = 0.03, kBandMost_norm = 0.20, kBandStep_norm = 0.01;
-/// Less than this is the noise of the sensors (0.3 mrad, 0.002 of the lean) with nobody in the harness: a person sways ten times as far.
+/// Less than this is the noise of the sensors (0.3 mrad, 0.002 of the lean) with an empty harness: a person sways ten times as far.
 inline constexpr double kLeastSway_norm = 0.006;
 /// Standing further from upright than this is no noise.
 inline constexpr double kUprightMost_norm = 0.10;

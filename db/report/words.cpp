@@ -21,6 +21,13 @@ struct Both {
   std::string_view en, de;
 };
 
+// The text of a row of a table that is in the order of its enumeration.
+template <std::size_t kCount, typename Row>
+std::string_view row_text(const std::array<Both, kCount>& rows, Row row, Language language) {
+  const Both& both = rows[static_cast<std::size_t>(row)];
+  return either(language, both.en, both.de);
+}
+
 std::string with_unit(const std::string& number, std::string_view unit) {
   return number + (unit.empty() || unit == "°" ? "" : "\u00a0") + std::string(unit);
 }
@@ -100,8 +107,7 @@ std::string_view no_figure_text(NoFigure why, Language language) {
 #include "db/metrics/no_figure.def"
 #undef HOIST_NO_FIGURE
   };
-  const Both& row = kRows[static_cast<std::size_t>(why)];
-  return either(language, row.en, row.de);
+  return row_text(kRows, why, language);
 }
 
 std::string_view no_change_text(NoChange why, Language language) {
@@ -111,8 +117,7 @@ std::string_view no_change_text(NoChange why, Language language) {
 #include "db/metrics/no_change.def"
 #undef HOIST_NO_CHANGE
   };
-  const Both& row = kRows[static_cast<std::size_t>(why)];
-  return either(language, row.en, row.de);
+  return row_text(kRows, why, language);
 }
 
 std::string marker_kind_text(std::string_view kind, Language language) {

@@ -37,7 +37,7 @@ class Ears {
   [[nodiscard]] bool bus_up() const { return bus_age_ > 0; }
   /// Steps in a row in which a node that answers SYNC answered twice or more.
   [[nodiscard]] int twice_run(std::size_t node) const { return twice_[node]; }
-  /// Frames of ids that nobody has, in the last half second.
+  /// Frames of ids that no node has, in the last half second.
   [[nodiscard]] int strangers() const { return strangers_; }
   [[nodiscard]] const Tilt& tilt(contract::Node node) const { return tilts_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] const Drive& drive(std::size_t side) const { return drives_[side]; }

@@ -21,7 +21,7 @@ struct SessionReport {
   double length_s = 0;
   double walked_s = 0;                       // time in which the wheels might move
   std::array<double, kModeCount> moved_s{};  // of that, by mode
-  std::array<int, kModeCount> unasked{};     // ends of motion that nobody asked for while nothing was broken, by the mode that ended
+  std::array<int, kModeCount> unasked{};     // ends of motion that no person asked for while nothing was broken, by the mode that ended
   double distance_m = 0;                     // that the platform truly went
   int starts = 0;                            // motions begun
   int stops = 0;                             // protective stops

@@ -127,7 +127,7 @@ void Watch::must_rest(std::string_view cause, double budget_s, double braking_m_
   must_stop_.push_back({cause, world_.time_s() + budget_s + sampler_.now().fastest_m_s / braking_m_s2 + kRollOut_s});
 }
 
-// Signed out, or a new server that knows nobody.
+// Signed out, or a new server without any sign-in.
 void Watch::driver_gone() {
   if (!contract::led_by_hand(mode_)) return;
   must_stop("its driver is gone", 0.02, 0.8);
@@ -338,7 +338,8 @@ void Watch::watch_parameters(const Told& told) {
           std::find_if(given.rbegin(), given.rend(), [&](const contract::Command& c) { return c.a == contract::kParams[i].id; });
       whole = whole && (last == given.rend() || last->v0 == now);
       if (now == before) continue;
-      if (last == given.rend() || last->v0 != now) broken("I10: a value is in force that nobody gave: ", now, contract::kParams[i].name);
+      if (last == given.rend() || last->v0 != now)
+        broken("I10: a value is in force that no command gave: ", now, contract::kParams[i].name);
       if (moves(mode) && moves(mode_) && contract::kParams[i].edit != contract::EditRule::live)
         broken("I10: changed while moving: ", now, contract::kParams[i].name);
     }
@@ -402,7 +403,7 @@ void Watch::watch_start(const Told& told) {
   begun_disturbed_ = world_.time_s() - disturbed_s_ < kAftermath_s || unlearning();
 }
 
-// An end of motion that nobody asked for while nothing is broken, nor was when it began.
+// An end of motion that no person asked for while nothing is broken, nor was when it began.
 void Watch::count_end(const TickRecord& record, Mode from) {
   const double now_s = world_.time_s();
   if (begun_disturbed_ || now_s - disturbed_s_ < kAftermath_s || now_s - asked_stop_s_ <= 4.0) return;

@@ -159,7 +159,10 @@ const cases = {
       const [code] = await once(recorder, "exit");
       assert.equal(code, 0, recorder.text);
       const bytes = readFileSync(file);
-      const readable = { size: async () => BigInt(bytes.length), read: async (at, size) => new Uint8Array(bytes.subarray(Number(at), Number(at + size))) };
+      const readable = {
+        size: async () => BigInt(bytes.length),
+        read: async (at, size) => new Uint8Array(bytes.subarray(Number(at), Number(at + size))),
+      };
       const reader = await McapIndexedReader.Initialize({ readable });
       assert.equal(reader.channelsById.size, 13);
       const decoders = new Map();

@@ -10,7 +10,7 @@ namespace {
 
 constexpr PreferenceSet kStart{50, 10, 50, 2};
 
-// Answers as somebody who likes the set nearest to this one.
+// Answers as a patient who likes the set nearest to this one.
 std::vector<Preference> answers_for(const PreferenceSet& liked, PreferenceState& end) {
   const auto distance = [&liked](const PreferenceSet& set) {
     double sum = 0;

@@ -261,15 +261,20 @@ class JobsRest : public ServerTest {
   void mode(contract::Mode mode) {
     core_->set([mode](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(mode); });
   }
+  // Another program that has done this in the file of the next server's recordings; the caller closes it.
+  sqlite3* another_program(const char* file, const char* sql) {
+    db_path_ = folder_ / file;
+    sqlite3* other = nullptr;
+    EXPECT_EQ(sqlite3_open(db_path_.c_str(), &other), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(other, sql, nullptr, nullptr, nullptr), SQLITE_OK);
+    return other;
+  }
 };
 
 // Another program reads the new file, so that the recorder cannot set it up yet.
 TEST_F(JobsRest, AJobWaitsUntilTheRecordingsAreSetUp) {
   stop_server();
-  db_path_ = folder_ / "new.db";
-  sqlite3* other = nullptr;
-  ASSERT_EQ(sqlite3_open(db_path_.c_str(), &other), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(other, "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3* other = another_program("new.db", "BEGIN EXCLUSIVE");
   start_server();
   const std::string place = call("POST", "/api/v1/jobs", {{"kind", "recompute_metrics"}}).header("location");
   EXPECT_EQ(get(place).json()["state"], "waiting");
@@ -282,10 +287,7 @@ TEST_F(JobsRest, AJobWaitsUntilTheRecordingsAreSetUp) {
 // A file that cannot be set up keeps no job waiting: what it needs not is done, the rest says why not.
 TEST_F(JobsRest, JobsBeginAlsoWhereTheRecordingsCannotBeSetUp) {
   stop_server();
-  db_path_ = folder_ / "foreign.db";
-  sqlite3* other = nullptr;
-  ASSERT_EQ(sqlite3_open(db_path_.c_str(), &other), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(other, "CREATE TABLE letters (text TEXT)", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3* other = another_program("foreign.db", "CREATE TABLE letters (text TEXT)");
   sqlite3_close(other);
   start_server();
   const std::string lists = call("POST", "/api/v1/jobs", {{"kind", "list_backups"}}).header("location"),

@@ -259,7 +259,7 @@ TEST(WebSocket, PingsAndPongs_5_5) {
                         {"of 125 bytes", ping(x(125)), {"pong " + x(125)}},
                         {"of 126 bytes", ping(x(126)), {"close 1002"}},
                         {"ten", ten, answers},
-                        {"a pong that nobody asked for", frame(kFinal | kPong, "p") + ping("q"), {"pong q"}},
+                        {"a pong without a ping", frame(kFinal | kPong, "p") + ping("q"), {"pong q"}},
                         {"a pong of 126 bytes", frame(kFinal | kPong, x(126)), {"close 1002"}}});
 }
 
