@@ -60,7 +60,10 @@ fi
 build_web
 
 # The tests of the normal build first: they find most, and soonest.
-HOIST_THOROUGH=yes HOIST_PROOFS=yes run_suites "$normal" .
+# One after the other: with the long tests in full, browser and console beside them starve the suites in real time.
+HOIST_THOROUGH=yes HOIST_PROOFS=yes run_ctest build "$normal" .
+run_web_tests "$normal" .
+run_browser_tests "$normal" .
 step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
 step "chaos: 2000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 2000
 build_normal core_mutants
