@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "control/contract/faults.hpp"
 #include "control/contract/guided_path.hpp"
@@ -85,9 +86,8 @@ class Session {
     if (!options_.only_walk) {
       // All faults are removed; every recoverable session must reach STANDBY by the therapist's acknowledgement.
       for (Planned& row : board_.rows) {
-        if (row.on) apply(row, false);
-        row.on = false;
         row.done = true;
+        if (std::exchange(row.on, false)) apply(row, false);
       }
       mending_ = true;
       next_s_ = loop_.time_s();  // the therapist does only this now
@@ -195,6 +195,22 @@ class Session {
         break;
       default:
         break;
+    }
+  }
+
+  // The part whose defect it is, of those that the simulator breaks in one way at a time; 0: none.
+  static int one_at_a_time(Kind kind) {
+    switch (kind) {
+      case Kind::sensor_offset:
+      case Kind::sensor_garbage:
+      case Kind::sensor_slow:
+      case Kind::sensor_silent:
+        return 1;
+      case Kind::encoder_lost:
+      case Kind::encoder_reversed:
+        return 2;
+      default:
+        return 0;
     }
   }
 
@@ -358,6 +374,10 @@ class Session {
         break;  // acts in each step, or on each frame
     }
     apply_to_storage(f, on);
+    // A sensor or an encoder has one defect at a time: the other one goes on.
+    if (const int part = one_at_a_time(f.kind); !on && part != 0)
+      for (Planned& other : board_.rows)
+        if (other.on && other.fault.node == f.node && one_at_a_time(other.fault.kind) == part) return apply(other, true);
     // A held drive command must end by itself when link or server fail.
     const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
                       f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;

@@ -77,7 +77,9 @@ class Deadlines {
  public:
   Deadlines(const sim::World& world, const Board& board, const Ears& ears) : world_(world), board_(board), ears_(ears) {}
 
-  /// After a step of the core: the rule that was broken in it, or Rule::count. `raised`: alarms told of in this step; one that was acknowledged
+  /// After a step of the world, with or without a core: what it did to the hoist.
+  void see(const Truth& truth);
+  /// After that, when the core ran: the rule that was broken in it, or Rule::count. `raised`: alarms told of in this step; one that was acknowledged
   /// in the step in which it was found was in force, too.
   [[nodiscard]] Rule after_step(const Told& told, const Truth& truth, contract::FaultBits raised);
   /// The rule whose time ended in this step and that demands rest; Rule::count for none. The one that brakes hardest.
@@ -96,17 +98,20 @@ class Deadlines {
   /// A wheel turns although nothing of the hoist can hold it: by a force above what brakes or servo give, by a bridge that is shorted, or by a
   /// drive whose encoder or processor has just failed. `resting`: the drives may be off.
   [[nodiscard]] bool beyond_the_hoist(const Truth& truth) const;
+  /// A wheel is held by something, or was until just now: its drive pulls at it and gives way only then.
+  [[nodiscard]] bool comes_free() const;
   /// Whether the true state explains a stop for this alarm: each limit a tenth laxer than the alarm's own.
   [[nodiscard]] bool explained(contract::Fault cause) const;
   /// Speed that a wheel at rest may show: see README.md.
   [[nodiscard]] static double rest_m_s(const Truth& truth);
 
  private:
-  void take_truth(const Truth& truth);
+  void take_frames(const Truth& truth);
   void take_runaway(const Truth& truth);
   [[nodiscard]] bool in_force(contract::Fault fault) const { return in_force_s_[contract::fault_info(fault).bit] >= judged_s_; }
   [[nodiscard]] bool holds(Rule rule, const Truth& truth, contract::Mode mode) const;
   [[nodiscard]] bool silent(contract::Node node) const;
+  [[nodiscard]] bool dragged(const Truth& truth) const;
   [[nodiscard]] bool answered(const RuleInfo& rule, double since_s, contract::Mode mode) const;
   [[nodiscard]] bool lean_told_rightly() const;
   [[nodiscard]] bool sensors_heard() const;
@@ -119,14 +124,16 @@ class Deadlines {
   std::array<double, kRuleCount> since_s_ = none();
   std::array<double, 64> in_force_s_ = never();  // when each alarm was last in force
   double judged_s_ = 0;                          // of steps that the core ran
+  double seen_s_ = 0;                            // of steps of the world
   double held_s_ = -100;
   bool holds_ = false, ends_ = false;
   std::uint8_t acknowledged_bumpers_ = 0;
   // Memories of the truth.
   std::array<double, 2> battery_v_{};  // both together, and their difference: over a second
   bool battery_known_ = false;
-  double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100, leant_s_ = -100,
-         sloped_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
+  double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
+         leant_s_ = -100, sloped_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
+  double coast_m_s_ = 0;  // what a wheel may still turn after a push
   bool zero_off_ = false;
   bool throws_forward_ = false;
   double farthest_m_ = 0, swung_s_ = 0;  // sideways sway of the bar

@@ -19,6 +19,7 @@ using contract::CommandKind;
 using contract::EventKind;
 using contract::Mode;
 using contract::Node;
+using contract::ParamName;
 using contract::TickRecord;
 using HoistFault = contract::Fault;
 
@@ -29,6 +30,7 @@ constexpr int kRestedTicks = 5;
 constexpr double kEps = 1e-6;
 // From the end of the ramp to rest: I1.
 constexpr double kRollOut_s = 0.05;
+constexpr double kAlone_s = 0.05;  // a drive brakes by itself this long after the last command
 // After a fault that touches driving: its end, the acknowledgement and the sensors' settling belong to it. Longer for a tilt filter that unlearns.
 constexpr double kAftermath_s = 5.0, kUnlearning_s = 60.0;
 
@@ -124,7 +126,18 @@ void Watch::must_stop(std::string_view cause, double budget_s, double braking_m_
   if (core_runs_ && moves(mode_)) must_rest(cause, budget_s, braking_m_s2);
 }
 void Watch::must_rest(std::string_view cause, double budget_s, double braking_m_s2) {
-  must_stop_.push_back({cause, world_.time_s() + budget_s + sampler_.now().fastest_m_s / braking_m_s2 + kRollOut_s});
+  must_stop_.push_back({cause, world_.time_s() + budget_s + reached_m_s() / braking_m_s2 + kRollOut_s});
+}
+
+// What speeds up follows a stop as late as everything else, so it becomes faster first.
+double Watch::reached_m_s() const {
+  const Truth& truth = sampler_.now();
+  double reached_m_s = 0;
+  for (std::size_t i = 0; i < truth.wheel_m_s.size(); ++i) {
+    const double speed_m_s = std::fabs(truth.wheel_m_s[i]), gain_m_s2 = std::copysign(1.0, truth.wheel_m_s[i]) * truth.wheel_m_s2[i];
+    reached_m_s = std::max(reached_m_s, speed_m_s + kRollOut_s * std::max(0.0, gain_m_s2));
+  }
+  return reached_m_s;
 }
 
 // Signed out, or a new server without any sign-in.
@@ -192,6 +205,7 @@ void Watch::after_step(const Told* told) {
 void Watch::watch_truth(bool core_ran) {
   const double now_s = world_.time_s();
   const Truth& truth = sampler_.sample(world_, board_.now(Kind::bumper));
+  deadlines_.see(truth);
   if (board_.inside(now_s, 0.0) || (mode_ != Mode::user && board_.any(now_s, 0.0))) disturbed_s_ = now_s;
   watch_platform(core_ran);
   // I1: each cause of a stop has its time.
@@ -221,8 +235,9 @@ void Watch::watch_platform(bool core_ran) {
   // I8: without the core the drives brake by themselves: 50 ms, then the ramp. What a body's push has turned has the ramp before it, too.
   if (core_ran || excused) {
     core_silent_s_ = now_s;
-    wheels_at_silence_m_s_ = truth.fastest_m_s;
-  } else if (now_s - core_silent_s_ > 0.06 + wheels_at_silence_m_s_ + kRollOut_s && truth.fastest_m_s > Deadlines::rest_m_s(truth)) {
+    reached_at_silence_m_s_ = reached_m_s();
+  } else if (now_s - core_silent_s_ > kAlone_s + 0.01 + reached_at_silence_m_s_ + kRollOut_s &&
+             truth.fastest_m_s > Deadlines::rest_m_s(truth)) {
     broken("I8: a wheel still turns after the core's last command", truth.fastest_m_s);
   }
 }
@@ -244,7 +259,9 @@ void Watch::watch_record(const Told& told) {
   watch_events(told);
   const Rule rule = deadlines_.after_step(told, sampler_.now(), raised_now_);
   if (rule != Rule::count) broken(rule_info(rule).what, sampler_.now().fastest_m_s);
-  if (const Rule due = deadlines_.due(); due != Rule::count && moved) must_rest(rule_info(due).what, 0.0, rule_info(due).braking_m_s2);
+  // A late step commands late; without a bus no command to stop reaches a drive, and it brakes by itself 50 ms after the last one.
+  if (const Rule due = deadlines_.due(); due != Rule::count && moved)
+    must_rest(rule_info(due).what, ears_.bus_up() ? std::min(ears_.lateness_s(), kAlone_s) : kAlone_s, rule_info(due).braking_m_s2);
   if (record.tick != last_tick_) broken("I9: the record's tick is not the step's", static_cast<double>(record.tick));
   lease_epoch_ = record.lease_epoch;
   lease_holder_ = record.lease_holder;
@@ -258,7 +275,7 @@ void Watch::watch_record(const Told& told) {
 void Watch::watch_rest() {
   const Truth& truth = sampler_.now();
   const double rest_m_s = Deadlines::rest_m_s(truth);
-  const bool excused = deadlines_.beyond_the_hoist(truth);
+  const bool excused = deadlines_.beyond_the_hoist(truth) || deadlines_.comes_free();
   // I1: standstill soon after the end of motion, for any cause: the ramp of 1.0 m/s2 from 0.65 m/s, 50 ms, and one budget.
   if (!moves(mode_) && world_.time_s() - moving_end_s_ > 1.0 && truth.fastest_m_s > rest_m_s && !excused)
     broken("I1: a wheel turns 1 s after motion ended", truth.fastest_m_s);
@@ -320,6 +337,15 @@ void Watch::watch_parameters(const Told& told) {
     } else if (c.kind == CommandKind::commit_parameters) {
       given.insert(given.end(), staged_.begin(), staged_.end());
       rows += c.a;
+    } else if (c.kind == CommandKind::set_neutral) {
+      // A set of two rows whose values the core measures.
+      for (const ParamName name : {ParamName::neutral_lean_m, ParamName::neutral_turn_rad}) {
+        contract::Command row;
+        row.a = contract::kParams[contract::param_index(name)].id;
+        row.v0 = contract::get_param(told.params, contract::param_index(name));
+        given.push_back(row);
+        ++rows;
+      }
     }
   }
   const bool changed = std::memcmp(&told.params, &params_, sizeof params_) != 0;

@@ -40,6 +40,7 @@ class Watch {
  private:
   void driver_gone();
   void must_rest(std::string_view cause, double budget_s, double braking_m_s2);
+  [[nodiscard]] double reached_m_s() const;
   struct MustStop {
     std::string_view cause;
     double by_s;
@@ -73,7 +74,7 @@ class Watch {
   int rested_ticks_ = 0;                   // of a protective stop at rest
   std::vector<contract::Command> staged_;  // rows of the set that is being gathered, by any client
   double asked_stop_s_{-100.0}, acknowledged_s_{-100.0}, driven_s_{-100.0};
-  double moving_end_s_{}, core_silent_s_{}, wheels_at_silence_m_s_{};
+  double moving_end_s_{}, core_silent_s_{}, reached_at_silence_m_s_{};
   double disturbed_s_{-100.0};  // when something that may affect a motion was last broken
   double last_speed_m_s_{};
   std::uint64_t drive_sequence_{};
