@@ -154,6 +154,14 @@ void command_wheels(core::TickOutputs& out, double left_mrad_s, double right_mra
                          static_cast<std::int32_t>(i == 0 ? left_mrad_s : right_mrad_s));
 }
 
+void tell_change(core::TickOutputs& out, Mode from, Mode to) {
+  contract::Event event;
+  event.kind = contract::EventKind::mode_changed;
+  event.code = static_cast<std::uint32_t>(to);
+  event.item = static_cast<std::uint32_t>(from);
+  (void)out.events.push_back(event);
+}
+
 TEST(ChaosBites, I1WheelsThatGoOnAfterAStop) {
   EXPECT_TRUE(bites(quiet([](double, core::CoreState& core, core::TickOutputs& out) {
                       if (core.mode != Mode::user && core.mode != Mode::remote && core.mode != Mode::protective_stop) return;
@@ -197,11 +205,7 @@ TEST(ChaosBites, I5AStopThatEndsByItself) {
   SessionOptions options = quiet([](double, core::CoreState& core, core::TickOutputs& out) {
     if (core.mode != Mode::protective_stop || core.still.ticks < 50) return;
     core.mode = Mode::standby;
-    contract::Event event;
-    event.kind = contract::EventKind::mode_changed;
-    event.code = static_cast<std::uint32_t>(Mode::standby);
-    event.item = static_cast<std::uint32_t>(Mode::protective_stop);
-    (void)out.events.push_back(event);
+    tell_change(out, Mode::protective_stop, Mode::standby);
   });
   options.faults = std::vector<Fault>{{Kind::bumper, contract::Node::io, 20.0, 20.5, 0.1}};
   EXPECT_TRUE(bites(options, "I5"));
@@ -222,6 +226,48 @@ TEST(ChaosBites, I7AStartWithAPatientWhoLeans) {
   });
   options.faults = std::vector<Fault>{{Kind::pelvis_turned, contract::Node::io, 6.5, 38.0, 0.95}};
   EXPECT_TRUE(bites(options, "I7"));
+}
+TEST(ChaosBites, I7AStartWhileAWheelTurns) {
+  bool started = false;
+  EXPECT_TRUE(bites(quiet([&started](double time_s, core::CoreState& core, core::TickOutputs& out) {
+                      if (started || time_s < 20.5 || core.mode != Mode::remote) return;  // its right wheel turns at 0.2 m/s
+                      started = true;
+                      tell_change(out, Mode::remote, Mode::standby);
+                      tell_change(out, Mode::standby, Mode::remote);
+                    }),
+                    "I7"));
+}
+// A core that starts two seconds after the fault has begun, whatever bars it.
+TEST(ChaosBites, I7AStartThatSomethingBars) {
+  struct Row {
+    Fault fault;
+    const char* why;
+  };
+  const Row rows[] = {
+      {{Kind::bumper, contract::Node::io, 20.0, 24.0, 0.1}, "a pressed bumper"},
+      {{Kind::emergency_stop, contract::Node::io, 20.0, 24.0, 0.5}, "the emergency stop pressed"},
+      {{Kind::unplug, contract::Node::tilt_left, 20.0, 24.0, 0.5}, "without one of the nodes"},
+      {{Kind::sensor_silent, contract::Node::tilt_base, 20.0, 24.0, 0.5}, "a sensor that knows nothing"},
+      {{Kind::battery, contract::Node::io, 20.0, 24.0, 0.1}, "empty batteries"},
+  };
+  for (const Row& row : rows) {
+    SessionOptions options = quiet({});
+    options.faults = std::vector<Fault>{row.fault};
+    EXPECT_TRUE(run_session(options).broken.empty()) << row.why;
+    bool started = false;
+    options.sabotage = [&started, &row](double time_s, core::CoreState& core, core::TickOutputs& out) {
+      if (started || time_s < row.fault.start_s + 2.0) return;
+      started = true;
+      core.mode = Mode::user;
+      tell_change(out, Mode::standby, Mode::user);
+    };
+    const SessionReport report = run_session(options);
+    EXPECT_TRUE(std::any_of(
+        report.broken.begin(), report.broken.end(),
+        [&row](const std::string& line) { return line.find("I7") != std::string::npos && line.find(row.why) != std::string::npos; }))
+        << row.why << "\n"
+        << list(report);
+  }
 }
 TEST(ChaosBites, I8DrivesThatGoOnWithoutTheCore) {
   // A foreign device keeps commanding the left drive after the core has stopped sending.

@@ -31,7 +31,7 @@ using contract::TickRecord;
 
 // Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
-                        kStorageStream = 8;
+                        kStorageStream = 8, kDefianceStream = 10;
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
 constexpr double kMending_s = 1e-3 * firmware::kTiltStart_ms + 2.0 + 1.0 + 1.0;
@@ -51,6 +51,7 @@ class Session {
         fault_dice_(options.seed, kFaultStream),
         link_dice_(options.seed, kLinkStream),
         serial_dice_(options.seed, kSerialStream),
+        defiance_dice_(options.seed, kDefianceStream),
         loop_(loop_options()),
         watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
     report_.seed = options.seed;
@@ -620,13 +621,17 @@ class Session {
     next_s_ = now_s + 0.5;
     if (without_lease()) return take_lease();
     if (therapist_dice_.chance(0.1)) return tune();
-    if (loop_.record().blocked_bits != 0) return;
+    if (loop_.record().blocked_bits != 0) return press_start_all_the_same();
     const bool leads = therapist_dice_.chance(0.7);
     wait(now_s, 4.0, 25.0);
     if (leads) return ask_mode(Mode::user);
     if (therapist_dice_.chance(0.4)) return begin_exercise(now_s);
     loop_.let_go();  // the driver takes the stick again
     ask_mode(Mode::remote);
+  }
+  // What the console says forbids a start; someone presses all the same. The hoist has to refuse, so a session goes on as without.
+  void press_start_all_the_same() {
+    if (defiance_dice_.chance(0.5)) ask_mode(defiance_dice_.chance(0.5) ? Mode::user : Mode::remote);
   }
   void begin_exercise(double now_s) {
     constexpr std::array kShapes{contract::GuidedShape::straight, contract::GuidedShape::square, contract::GuidedShape::circle,
@@ -698,6 +703,7 @@ class Session {
     loop_.fall_silent();
     if (now_s < next_s_) return;
     wait(now_s, 0.8, 2.5);
+    press_start_all_the_same();
     if (without_lease()) return take_lease();
     // Out of service it takes an engineer.
     loop_.ask(CommandKind::acknowledge, 0, 0, 0, 0,
@@ -729,7 +735,7 @@ class Session {
   SessionOptions options_;
   std::vector<Fault> faults_;
   Board board_;
-  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_;
+  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_;
   tests::ClosedLoop loop_;
   std::unique_ptr<Storage> storage_;
   SessionReport report_;

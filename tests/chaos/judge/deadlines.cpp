@@ -187,6 +187,7 @@ void Deadlines::restart() {
   acknowledged_bumpers_ = 0;
   battery_known_ = false;
   moving_s_ = follow_s_ = 0;
+  barred_s_ = {};
 }
 
 double Deadlines::rest_m_s(const Truth& truth) {
@@ -288,6 +289,36 @@ void Deadlines::take_runaway(const Truth& truth) {
       away_s_[side] += kStep_s;
     }
   }
+}
+
+void Deadlines::take_bars(const Truth& truth) {
+  const sim::Plant& plant = world_.plant();
+  bool silence = false, blind = false;
+  for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n) silence = silence || silent(static_cast<Node>(n));
+  for (const Node node : {Node::tilt_left, Node::tilt_right, Node::tilt_base})
+    blind = blind || (ears_.age(node) <= 1 && !ears_.tilt(node).valid);
+  // A wheel is believed to rest by what its encoder says.
+  const bool turns = truth.fastest_m_s > 0.1 && !beyond_the_hoist(truth);
+  const std::array<bool, kBarCount> now{plant.bumpers() != 0,
+                                        (plant.bumpers() & ~acknowledged_bumpers_) != 0,
+                                        plant.emergency_stop(),
+                                        silence,
+                                        blind,
+                                        battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps,
+                                        turns};
+  for (std::size_t bar = 0; bar < kBarCount; ++bar) barred_s_[bar] = now[bar] ? barred_s_[bar] + kStep_s : 0;
+}
+
+std::string_view Deadlines::start_barred(Mode to) const {
+  constexpr double kKnown_s = 0.2, kMean_s = 0.6;
+  // In REMOTE the hoist may be driven away from what it touches, once that was acknowledged.
+  if (barred_s_[to == Mode::remote ? fresh_touch : touching] > kKnown_s) return "I7: a start against a pressed bumper";
+  if (barred_s_[chain] > kKnown_s) return "I7: a start with the emergency stop pressed";
+  if (barred_s_[silent_node] > kKnown_s) return "I7: a start without one of the nodes";
+  if (barred_s_[blind_sensor] > kKnown_s) return "I7: a start with a sensor that knows nothing";
+  if (barred_s_[no_battery] > kMean_s) return "I7: a start with empty batteries";
+  if (barred_s_[turning] > kKnown_s) return "I7: a start while a wheel turns";
+  return {};
 }
 
 bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
@@ -449,6 +480,7 @@ Rule Deadlines::after_step(const Told& told, const Truth& truth, contract::Fault
   acknowledged_bumpers_ &= world_.plant().bumpers();
   mode_ = mode;
   take_runaway(truth);
+  take_bars(truth);
   Rule broken = Rule::count;
   due_ = Rule::count;
   for (const RuleInfo& rule : kRules) {

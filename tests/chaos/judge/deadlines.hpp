@@ -84,6 +84,8 @@ class Deadlines {
   [[nodiscard]] Rule after_step(const Told& told, const Truth& truth, contract::FaultBits raised);
   /// The rule whose time ended in this step and that demands rest; Rule::count for none. The one that brakes hardest.
   [[nodiscard]] Rule due() const { return due_; }
+  /// I7: why no motion may begin now, by what has been so for long enough to be known; empty when nothing bars it.
+  [[nodiscard]] std::string_view start_barred(contract::Mode to) const;
   /// A new core after a crash.
   void restart();
   /// A hold-to-run command reached the core that may act: with the time of the record that its client had seen; or a release.
@@ -108,6 +110,7 @@ class Deadlines {
  private:
   void take_frames(const Truth& truth);
   void take_runaway(const Truth& truth);
+  void take_bars(const Truth& truth);
   [[nodiscard]] bool in_force(contract::Fault fault) const { return in_force_s_[contract::fault_info(fault).bit] >= judged_s_; }
   [[nodiscard]] bool holds(Rule rule, const Truth& truth, contract::Mode mode) const;
   [[nodiscard]] bool silent(contract::Node node) const;
@@ -141,6 +144,8 @@ class Deadlines {
   double follow_s_ = 0;  // how long both drives have followed
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};
+  enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, kBarCount };
+  std::array<double, kBarCount> barred_s_{};           // how long each has barred a start
   std::array<double, 2> away_s_{}, unheard_left_s_{};  // a wheel that runs away behind a shorted bridge
   contract::Mode mode_{contract::Mode::init};
   Rule due_ = Rule::count;

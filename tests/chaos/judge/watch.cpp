@@ -410,14 +410,16 @@ void Watch::watch_mode_change(const Told& told, Mode from, Mode to) {
   const bool released = (from == Mode::protective_stop && (to == Mode::standby || to == Mode::init)) ||
                         (from == Mode::fault && to != Mode::emergency_stop) || from == Mode::emergency_stop;
   if (released && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
-  if (moves(to)) watch_start(told);
+  if (moves(to)) watch_start(told, to);
   if (to == Mode::protective_stop || to == Mode::emergency_stop) ++report_.stops;
   if (moves(from) && !moves(to)) count_end(told.record, from);
 }
 
-// I7: by the true struts, with what the filter and the mounting may hide.
-void Watch::watch_start(const Told& told) {
+// I7: by the true struts, with what the filter and the mounting may hide, and by what the therapist could not see.
+void Watch::watch_start(const Told& told, Mode to) {
   ++report_.starts;
+  if (const std::string_view why = deadlines_.start_barred(to); !why.empty()) broken(why);
+  if (told.record.lease_holder == 0) broken("I3: a start without a driver");
   constexpr double kHidden_rad = 2.0 * kDegree_rad, kTolerance_norm = 0.2;
   const Truth& truth = sampler_.now();
   const double lean_rad = truth.forward_rad - told.params.neutral_lean_m / told.params.strut_length_m;

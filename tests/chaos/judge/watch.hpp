@@ -56,7 +56,7 @@ class Watch {
   void watch_events(const Told& told);
   void watch_mode_change(const Told& told, contract::Mode from, contract::Mode to);
   void count_end(const contract::TickRecord& record, contract::Mode from);
-  void watch_start(const Told& told);
+  void watch_start(const Told& told, contract::Mode to);
   [[nodiscard]] bool unlearning() const;
 
   const sim::World& world_;
