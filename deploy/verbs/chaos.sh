@@ -5,6 +5,8 @@
 #          --state FILE, --jobs N (hoist-chaos --help says what they mean)
 #          --masks       instead, each monitor of the core switched off in turn: how many sessions the judge needs to find it
 #                        (--sessions N at most for each, --seed S, --monitor NAME, --jobs N)
+#          --mutants     instead, 60 seeded changes to core and nodes: how many sessions the judge needs to find each
+#                        (--count N, --seed TEXT, --sessions N at most for each, --jobs N)
 #          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
 # A failing session is reported with its seed and reduced; the printed line replays it:
@@ -13,11 +15,13 @@
 arguments=()
 compilers=
 masks=
+mutants=
 for option in "$@"; do
   case $option in
     --no-setup | -h | --help) common_option chaos "$option" ;;
     --compilers) compilers=1 ;;
     --masks) masks=1 ;;
+    --mutants) mutants=1 ;;
     *) arguments+=("$option") ;;
   esac
 done
@@ -58,6 +62,11 @@ fi
 if [[ -n $masks ]]; then
   build_normal hoist-chaos-masks
   exec build/bin/hoist-chaos-masks "${arguments[@]}"
+fi
+if [[ -n $mutants ]]; then
+  setup check  # the reader of the sources
+  build_normal chaos_mutants
+  exec tests/chaos/mutants.py build/bin/chaos_mutants build/tests/mutants/chaos_mutants/mutants.tsv tests/mutants/known.tsv "${arguments[@]}"
 fi
 build_normal hoist-chaos
 exec build/bin/hoist-chaos "${arguments[@]}"

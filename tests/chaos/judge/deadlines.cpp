@@ -273,8 +273,9 @@ void Deadlines::take_frames(const Truth& truth) {
   follow_s_ = follow ? follow_s_ + kStep_s : 0;
 }
 
-// A wheel that a shorted bridge turns while nothing may move. The core sees it in the drive's own words, so a drive that cannot be heard has the
-// time of the relay's circuit besides: a second without feed, then the brake. Without supply it is the brake's, unless a body pulls harder.
+// A wheel that a shorted bridge turns while nothing may move. The core sees it in the drive's own words and feeds the relay through the input
+// node, so when one of them cannot be heard there is the time of the relay's circuit besides: a second without feed, then the brake. Without
+// supply it is the brake's, unless a body pulls harder.
 void Deadlines::take_runaway(const Truth& truth) {
   constexpr double kRelayAlone_s = 1.6;
   for (const Node drive : {Node::drive_left, Node::drive_right}) {
@@ -283,7 +284,7 @@ void Deadlines::take_runaway(const Truth& truth) {
     if (!away) {
       away_s_[side] = 0;
       unheard_left_s_[side] = kRelayAlone_s;
-    } else if (silent(drive) && unheard_left_s_[side] > 0) {
+    } else if ((silent(drive) || silent(Node::io)) && unheard_left_s_[side] > 0) {
       unheard_left_s_[side] -= kStep_s;
     } else if (world_.plant().supply_v() > 1.0 || !dragged(truth)) {
       away_s_[side] += kStep_s;
