@@ -3,6 +3,7 @@
 #pragma once
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "db/report/options.hpp"
@@ -12,6 +13,10 @@
 #include "db/summary/trend.hpp"
 
 namespace hoist::db {
+
+/// What a page may load: nothing, but its own style. A header Content-Security-Policy.
+inline constexpr std::string_view kReportPolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A session and its figures.
 struct ReportSession {

@@ -7,6 +7,7 @@
 #include "db/metrics/metric_list.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/task_record.hpp"
+#include "db/summary/session_json.hpp"
 
 namespace hoist::db {
 
@@ -70,6 +71,47 @@ std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries) {
       if (const auto change = change_of(kMetrics[i].key, values_of(group, i)))
         all.push_back({.walked = group.front()->session, .figure = kMetrics[i].key, .change = *change});
   return all;
+}
+
+json trend_item_json(const TrendEntry& entry) {
+  const TrendSession& session = entry.session;
+  json row{{"session", session.session},
+           {"visit", session.visit},
+           {"day", session.day},
+           {"started_utc_ms", session.started_utc_ns / 1'000'000},
+           {"exercise", exercise_as_told(session.exercise_json)},
+           {"task", task_name(session)},
+           {"figures", nullptr},
+           {"reasons", json::object()},
+           {"reason_code", nullptr}};
+  if (!entry.metrics) return row;
+  const json told = metrics_json(*entry.metrics, session.exercise_json);
+  row["figures"] = json::object();
+  for (const MetricInfo& figure : kMetrics) {
+    const std::string key(figure.key);
+    row["figures"][key] = told.at(key);
+    if (told.at(key).is_null()) row["reasons"][key] = told.at("computed").at(key).at("reason_code");
+  }
+  row["reason_code"] = told.at("reason_code");
+  return row;
+}
+
+json change_json(const FigureChange& one) {
+  const Change& change = one.change;
+  json whom = nullptr;
+  if (change.published != nullptr) whom = {{"en", change.published->whom_en}, {"de", change.published->whom_de}};
+  return {{"exercise", exercise_as_told(one.walked.exercise_json)},
+          {"task", task_name(one.walked)},
+          {"figure", one.figure},
+          {"first_session", change.first.session},
+          {"last_session", change.last.session},
+          {"first", change.first.value},
+          {"last", change.last.value},
+          {"minimal_detectable_change", change.minimal ? json(*change.minimal) : json(nullptr)},
+          {"source", change.published != nullptr ? json(change.published->source) : json(nullptr)},
+          {"whom", std::move(whom)},
+          {"repeats", change.repeats},
+          {"reason_code", change.why == NoChange::none ? json(nullptr) : json(no_change_name(change.why))}};
 }
 
 }  // namespace hoist::db

@@ -1,5 +1,6 @@
 // A patient's figures over the sessions, and which of them have changed by more than they vary by themselves.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,5 +30,9 @@ struct FigureChange {
 };
 /// Of each figure that has a value in comparable walks. `entries`: newest first, as trend_sessions gives them; what was walked last comes first.
 [[nodiscard]] std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries);
+
+/// As REST tells it: an item of Trend, and of its changes.
+[[nodiscard]] nlohmann::json trend_item_json(const TrendEntry& entry);
+[[nodiscard]] nlohmann::json change_json(const FigureChange& change);
 
 }  // namespace hoist::db

@@ -7,12 +7,13 @@
 #include "db/store/alarms.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/parameter_log.hpp"
-#include "db/store/trend.hpp"
 #include "db/summary/provenance.hpp"
 #include "db/summary/session_json.hpp"
+#include "db/summary/trend.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
+#include "server/api/trend_reading.hpp"
 
 namespace hoist::server::api {
 
@@ -110,56 +111,12 @@ void list_alarms(const CallPtr& call) {
 }
 
 namespace {
-// A page of a trend, one session after the other, so that the recorder stores what it has between two of them.
-struct TrendWork {
-  db::TrendPage page;
-  std::size_t next = 0;
-  json items = json::array();
-};
-
-struct TrendRow {
-  std::optional<json> row;  // nothing: the session was deleted meanwhile
-  std::optional<db::Error> error;
-};
-
-TrendRow trend_row(db::Database& database, const db::TrendSession& session) {
-  json row{{"session", session.session},
-           {"visit", session.visit},
-           {"day", session.day},
-           {"started_utc_ms", session.started_utc_ns / 1'000'000},
-           {"exercise", db::exercise_as_told(session.exercise_json)},
-           {"figures", nullptr},
-           {"reason_code", nullptr}};
-  const auto metrics = db::session_metrics(database, session.session);
-  if (!metrics && metrics.error().kind == db::ErrorKind::not_found) return {};
-  // A damaged recording is a gap in the trend, not its end.
-  if (!metrics && metrics.error().kind != db::ErrorKind::corrupt) return {.row = {}, .error = metrics.error()};
-  if (metrics) {
-    const json told = db::metrics_json(*metrics, session.exercise_json);
-    row["figures"] = json::object();
-    for (const db::MetricInfo& figure : db::kMetrics) row["figures"][std::string{figure.key}] = told.at(std::string{figure.key});
-    row["reason_code"] = told.at("reason_code");
-  }
-  return {.row = std::move(row), .error = {}};
-}
-
-void go_on_with_trend(const CallPtr& call, const std::shared_ptr<TrendWork>& work) {
-  if (work->next == work->page.items.size()) {
-    call->respond(
-        json{{"items", std::move(work->items)}, {"next", next_json(work->page.next)}, {"simulated_left_out", work->page.simulated}});
-    return;
-  }
-  const auto read = [session = work->page.items[work->next++]](Records& records) -> TrendRow {
-    db::Database* database = records.late() ? nullptr : records.database();
-    if (database == nullptr)
-      return {.row = {}, .error = db::Error{db::ErrorKind::busy, "The recorder is busy. Try again in a moment.", {}}};
-    return trend_row(*database, session);
-  };
-  ask_recorder<TrendRow>(call, read, [call, work](TrendRow row) {
-    if (row.error) return call->respond(store_error(*row.error, call->request.path));
-    if (row.row) work->items.push_back(std::move(*row.row));
-    go_on_with_trend(call, work);
-  });
+json trend_json(const db::TrendPage& page, const std::vector<db::TrendEntry>& entries) {
+  json items = json::array(), changes = json::array();
+  for (const db::TrendEntry& entry : entries) items.push_back(db::trend_item_json(entry));
+  for (const db::FigureChange& change : db::changes_in(entries)) changes.push_back(db::change_json(change));
+  return {
+      {"items", std::move(items)}, {"next", next_json(page.next)}, {"simulated_left_out", page.simulated}, {"changes", std::move(changes)}};
 }
 }  // namespace
 
@@ -170,15 +127,14 @@ void get_trend(const CallPtr& call) {
   if (!id || !read_limit(call, limit, kTrendMost) || !read_cursor(call, before)) return;
   using Page = db::Result<db::TrendPage>;
   const auto list = [id = *id, limit, before](Records& records) -> Page {
-    db::Database* database = records.late() ? nullptr : records.database();
-    if (database == nullptr) return db::Error{db::ErrorKind::io, records.why(), {}};
-    return db::trend_sessions(*database, id, limit, before);
+    const auto database = database_for_piece(records);
+    return database ? db::trend_sessions(**database, id, limit, before) : Page(database.error());
   };
   ask_recorder<Page>(call, list, [call](Page page) {
     if (!page) return call->respond(store_error(page.error(), call->request.path));
-    auto work = std::make_shared<TrendWork>();
-    work->page = std::move(*page);
-    go_on_with_trend(call, work);
+    auto sessions = std::move(page->items);
+    read_trend(call, std::move(sessions),
+               [call, page = std::move(*page)](const std::vector<db::TrendEntry>& entries) { call->respond(trend_json(page, entries)); });
   });
 }
 

@@ -1,5 +1,6 @@
 // The kinds of rows of the audit log (audit.def), and which routes are logged.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -35,7 +36,9 @@ struct AuditName {
 
 // What people change beside actions, which write their rows themselves, what was refused before it became one, and what leaves the hoist.
 constexpr bool is_download(const Route& route) {
-  return route.operation == "export_session" || route.operation == "export_mcap" || route.operation == "get_job_file";
+  constexpr std::array<std::string_view, 5> kDownloads{"export_session", "export_mcap", "get_job_file", "get_session_report",
+                                                       "get_visit_report"};
+  return std::ranges::find(kDownloads, route.operation) != kDownloads.end();
 }
 constexpr bool is_audited(const Route& route) {
   return (route.method != Method::get && route.operation != "open_ticket") || is_download(route);

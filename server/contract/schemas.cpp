@@ -551,12 +551,26 @@ constexpr std::string_view kSchemas = R"json({
   "names": {"type": "array", "items": {"type": "string"}, "description": "Under which the hoist may be called"},
   "fingerprint": {"type": ["string", "null"], "description": "Of the hoist's own authority, SHA-256; null: it has none"},
   "trust_page": {"type": ["string", "null"], "description": "Path of the page that explains how a device comes to trust it"}}, "additionalProperties": false}}, "additionalProperties": false},
-"Trend": {"type": "object", "required": ["items", "next", "simulated_left_out"], "properties": {"items": {"type": "array", "items": {"type": "object",
-  "required": ["session", "visit", "day", "started_utc_ms", "exercise", "figures", "reason_code"], "properties": {"session": {"type": "integer"}, "visit": {"type": "integer"},
+"Trend": {"type": "object", "required": ["items", "next", "simulated_left_out", "changes"], "properties": {"items": {"type": "array", "items": {"type": "object",
+  "required": ["session", "visit", "day", "started_utc_ms", "exercise", "task", "figures", "reasons", "reason_code"], "properties": {"session": {"type": "integer"}, "visit": {"type": "integer"},
   "day": {"type": "string"}, "started_utc_ms": {"type": "integer"}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
+  "task": {"type": ["string", "null"], "description": "Name of the task that it is a repetition of; walks are compared within one exercise and task"},
   "figures": {"anyOf": [{"$ref": "#/components/schemas/TrendFigures"}, {"type": "null"}], "description": "null: the recording cannot be read"},
+  "reasons": {"type": "object", "description": "Of each figure that is null: why", "additionalProperties": {"$ref": "#/components/schemas/NoFigure"}},
   "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoFigure"}, {"type": "null"}], "description": "Why there is no C, J_N, or one of them"}}, "additionalProperties": false}},
-  "next": {"type": ["string", "null"]}, "simulated_left_out": {"type": "integer", "description": "Recordings of this patient with a simulated hoist"}}, "additionalProperties": false},
+  "next": {"type": ["string", "null"]}, "simulated_left_out": {"type": "integer", "description": "Recordings of this patient with a simulated hoist"},
+  "changes": {"type": "array", "description": "Of this page: newest value against the first one, of each figure, within one exercise and task", "items": {"$ref": "#/components/schemas/FigureChange"}}},
+  "additionalProperties": false},
+"FigureChange": {"type": "object", "required": ["exercise", "task", "figure", "first_session", "last_session", "first", "last", "minimal_detectable_change", "source", "whom", "repeats", "reason_code"],
+  "properties": {"exercise": {"$ref": "#/components/schemas/ExerciseOrNull"}, "task": {"type": ["string", "null"]}, "figure": {"type": "string"},
+  "first_session": {"type": "integer"}, "last_session": {"type": "integer"}, "first": {"type": "number"}, "last": {"type": "number"},
+  "minimal_detectable_change": {"type": ["number", "null"], "description": "95 %, in the figure's unit: the published one or that of the patient's own repeats, the larger one; null: not known"},
+  "source": {"type": ["string", "null"], "description": "Where it is published; null: the patient's own repeats, or not known"},
+  "whom": {"anyOf": [{"type": "object", "required": ["en", "de"], "properties": {"en": {"type": "string"}, "de": {"type": "string"}}, "additionalProperties": false}, {"type": "null"}],
+   "description": "Whom and what it is published of"},
+  "repeats": {"type": "integer", "description": "Degrees of freedom of the patient's own repeats within visits; 10 are needed"},
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/NoChange"}, {"type": "null"}], "description": "Why no change can be told; null: last differs from first by more than the minimal detectable change"}},
+  "additionalProperties": false},
 "TrendFigures": {"type": "object", "description": "The figures of db/metrics/metric_list.hpp; null: not defined for this session", "required": [], "properties": {}, "additionalProperties": false},
 "MarkerRequest": {"type": "object", "required": ["text"], "properties": {"text": {"type": "string", "maxLength": 500}, "kind": {"$ref": "#/components/schemas/MarkerKind"}},
   "additionalProperties": false},
@@ -662,6 +676,10 @@ json all_schemas() {
 #define HOIST_NO_FIGURE(name, text_en, text_de) schemas["NoFigure"]["enum"].push_back(#name);
 #include "db/metrics/no_figure.def"
 #undef HOIST_NO_FIGURE
+  schemas["NoChange"] = {{"type", "string"}, {"enum", json::array()}};
+#define HOIST_NO_CHANGE(name, text_en, text_de) schemas["NoChange"]["enum"].push_back(#name);
+#include "db/metrics/no_change.def"
+#undef HOIST_NO_CHANGE
   return schemas;
 }
 }  // namespace

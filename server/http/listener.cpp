@@ -129,10 +129,13 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
   add("Date", http_date());
   if (!response.content_type.empty()) add("Content-Type", response.content_type);
   for (const auto& [name, value] : response.headers) add(name, value);
+  // A page with a policy of its own (a report) has none of the console's: two would both have to allow its style.
+  if (std::ranges::none_of(response.headers, [](const auto& header) { return header.first == "Content-Security-Policy"; }))
+    head.append(
+        "Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; "
+        "form-action 'self'; frame-ancestors 'none'\r\n");
   head.append(
       "X-Content-Type-Options: nosniff\r\n"
-      "Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; "
-      "form-action 'self'; frame-ancestors 'none'\r\n"
       "Referrer-Policy: no-referrer\r\n"
       "Cross-Origin-Opener-Policy: same-origin\r\n"
       "Cross-Origin-Resource-Policy: same-origin\r\n");

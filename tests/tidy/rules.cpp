@@ -51,8 +51,9 @@ const std::vector<Layer>& layers() {
       {"firmware/sim/", {"firmware/", "control/contract/", "control/bus/"}, false},
       // Inside the server includes run one way: stream -> http | ws -> a protocol (api, live) -> actions -> state -> core link, database.
       {"server/contract/",
-       {"server/contract/", "control/contract/", "db/metrics/no_figure.def", "db/metrics/metric_list.hpp", "db/export/formats.hpp",
-        "db/store/change_reasons.hpp", "db/store/patient_code.hpp", "db/store/session_types.hpp", "server/text/field_error.hpp"},
+       {"server/contract/", "control/contract/", "db/metrics/no_figure.def", "db/metrics/no_change.def", "db/metrics/metric_list.hpp",
+        "db/export/formats.hpp", "db/store/change_reasons.hpp", "db/store/patient_code.hpp", "db/store/session_types.hpp",
+        "server/text/field_error.hpp"},
        false},
       {"server/text/", {"server/text/"}, false},
       {"server/stream/", {"server/stream/"}, false},

@@ -395,6 +395,28 @@ const cases = {
     if (shots) await page.screenshot({ path: join(shots, 'session.png') });
   },
 
+  async 'Sessions opens the report of the walk with the same figures, and a sheet for the patient'() {
+    needWalk();
+    const speed = `${walked.figures.walking_speed_m_s.toFixed(2)}\u00a0m/s`;
+    for (const [link, title] of [
+      ['Full report', 'Walk report'],
+      ['Patient sheet', 'Your walk'],
+    ]) {
+      await page.goto(`${stack.origin}/#/sessions/${walked.id}`);
+      const [report] = await Promise.all([context.waitForEvent('page'), page.getByRole('link', { name: link }).click()]);
+      const refused = [];
+      report.on('console', (message) => refused.push(message.text()));
+      await report.waitForLoadState();
+      assert((await report.locator('h1').textContent()) === title, `the ${link} is called ${await report.locator('h1').textContent()}`);
+      assert((await report.locator('main').textContent()).includes(speed), `the ${link} does not show ${speed}`);
+      assert(await report.locator('svg').first().isVisible(), `the ${link} does not draw the path`);
+      assert((await report.evaluate(() => getComputedStyle(document.body).maxWidth)) !== 'none', `the ${link} has no style`);
+      assert(refused.length === 0, `the browser says of the ${link}: ${refused}`);
+      if (shots) await report.screenshot({ path: join(shots, `${title.replace(' ', '-')}.png`), fullPage: true });
+      await report.close();
+    }
+  },
+
   async 'the CSV export has units, a row each 10 ms and no unexplained gap'() {
     const id = walked === null || tableJudged ? await walkFor(22) : walked.id;
     tableJudged = true;

@@ -368,7 +368,8 @@ export function startFakeServer({
     motion_s: 80 + 11 * i,
     missing_s: 0,
     walked_m: 20 + 2.1 * i,
-    mean_speed_m_s: 0.25 + 0.02 * i + 0.015 * (i % 3),
+    walking_speed_m_s: 0.25 + 0.02 * i + 0.015 * (i % 3),
+    mean_speed_m_s: 0.24 + 0.02 * i + 0.015 * (i % 3),
     max_speed_m_s: 0.5,
   });
   const trend = Array.from({ length: 9 }, (_, i) => ({
@@ -377,9 +378,25 @@ export function startFakeServer({
     day: dayOf(Date.UTC(2026, 9, 2 + 6 * i)),
     started_utc_ms: Date.UTC(2026, 9, 2 + 6 * i, 9, 30),
     exercise: i === 2 ? { shape: 'square', side_m: 3.2 } : { shape: 'eight', c_m: 1, radius_m: 0.8 },
+    task: null,
     figures: i === 6 ? null : i === 4 ? { ...trendFigures(i), C: null, J_N: null, rms_position_m: null, rms_heading_rad: null } : trendFigures(i),
+    reasons: i === 4 ? { C: 'part_missing', J_N: 'part_missing', rms_position_m: 'part_missing', rms_heading_rad: 'part_missing' } : {},
     reason_code: i === 4 ? 'part_missing' : null,
   })).reverse();
+  const trendChanges = ['walking_speed_m_s', 'walked_m', 'C'].map((figure, i) => ({
+    exercise: { shape: 'eight', c_m: 1, radius_m: 0.8 },
+    task: null,
+    figure,
+    first_session: 21,
+    last_session: 28,
+    first: [0.25, 20, 0.7][i],
+    last: [0.4, 20.5, 0.94][i],
+    minimal_detectable_change: i === 2 ? null : 0.1 * (1 + 20 * i),
+    source: i === 0 ? 'Lewek & Sykes 2019' : null,
+    whom: i === 0 ? { en: 'people after a stroke, 10 m', de: 'Menschen nach Schlaganfall, 10 m' } : null,
+    repeats: [2, 12, 3][i],
+    reason_code: i === 2 ? 'few_repeats' : i === 1 ? 'within_noise' : null,
+  }));
   const studies = [studyOf(1, 11, 1)];
   const jobs = [];
   let failing = null;
@@ -1149,7 +1166,13 @@ export function startFakeServer({
         }
         return send(200, { state: names.has(one.id) ? 'readable' : 'none', identity: names.get(one.id) ?? null, etag: one.etag });
       }
-      if (of === 'trend') return send(200, { items: one.visits === 0 ? [] : trend, next: null, simulated_left_out: one.visits === 0 ? 0 : 2 });
+      if (of === 'trend')
+        return send(200, {
+          items: one.visits === 0 ? [] : trend,
+          next: null,
+          changes: one.visits === 0 ? [] : trendChanges,
+          simulated_left_out: one.visits === 0 ? 0 : 2,
+        });
       if (of === 'profiles' && request.method === 'POST') {
         profiles.unshift({ ...profiles[0], id: 50 + profiles.length, name: given.name, saved_utc_ms: Date.now(), settings: { ...values } });
         return send(201, profiles[0]);

@@ -1,6 +1,6 @@
 // A patient's figures over the sessions: what is compared, and where the line breaks.
 import { describe, expect, it } from 'vitest';
-import { exerciseKey, exercisesOf, pointsOf, runsOf, spanOf, type TrendItem } from '../src/panels/patients/trend_model';
+import { changeOf, pointsOf, runsOf, spanOf, walkedKey, walkedOf, type TrendChange, type TrendItem } from '../src/panels/patients/trend_model';
 
 const eight = { shape: 'eight', c_m: 1, radius_m: 0.8 } as const;
 const square = { shape: 'square', side_m: 3.2 } as const;
@@ -10,30 +10,43 @@ const item = (session: number, C: number | null, exercise: TrendItem['exercise']
   day: '2026-11-24',
   started_utc_ms: session,
   exercise,
+  task: null,
   figures: { C } as TrendItem['figures'],
+  reasons: {},
   reason_code: C === null ? 'too_short' : null,
 });
 // Newest first, as the server gives them.
+const of = (exercise: TrendItem['exercise'], task: string | null = null) => walkedKey({ exercise, task });
 const items = [item(6, 0.9), item(5, 0.8), item(4, null), item(3, 0.7, square), item(2, 0.6), item(1, 0.5)];
 
 describe('a trend', () => {
   it('compares walks of one exercise only, oldest first', () => {
-    expect([...exercisesOf(items).keys()]).toEqual([exerciseKey(eight), exerciseKey(square)]);
-    expect(pointsOf(items, exerciseKey(eight), 'C').map(({ item: { session } }) => session)).toEqual([1, 2, 4, 5, 6]);
-    expect(exerciseKey(null)).toBe(exerciseKey({ shape: 'free' }));
+    expect([...walkedOf(items).keys()]).toEqual([of(eight), of(square)]);
+    expect(pointsOf(items, of(eight), 'C').map(({ item: { session } }) => session)).toEqual([1, 2, 4, 5, 6]);
+    expect(of(null)).toBe(of({ shape: 'free' }));
+    expect(of(null, 'walk_6min')).not.toBe(of(null, 'walk_2min'));
+    expect(pointsOf([{ ...items[0]!, task: 'eight' }, ...items], of(eight, 'eight'), 'C')).toHaveLength(1);
+  });
+
+  it('tells a change of the chosen exercise and figure only', () => {
+    const change = (figure: string, exercise: TrendItem['exercise'], last: number) => ({ figure, exercise, task: null, last }) as TrendChange;
+    const changes = [change('C', eight, 1), change('C', square, 2), change('J_N', eight, 3)];
+    expect(changeOf(changes, of(square), 'C')?.last).toBe(2);
+    expect(changeOf(changes, of(eight), 'J_N')?.last).toBe(3);
+    expect(changeOf(changes, of(eight, 'eight'), 'C')).toBeNull();
   });
 
   it('breaks its line at a session without the figure', () => {
-    expect(runsOf(pointsOf(items, exerciseKey(eight), 'C'))).toEqual([
+    expect(runsOf(pointsOf(items, of(eight), 'C'))).toEqual([
       [0, 1],
       [3, 4],
     ]);
     const unreadable = [item(2, 0.5), { ...item(1, 0.5), figures: null }];
-    expect(pointsOf(unreadable, exerciseKey(eight), 'C').map(({ value }) => value)).toEqual([null, 0.5]);
+    expect(pointsOf(unreadable, of(eight), 'C').map(({ value }) => value)).toEqual([null, 0.5]);
   });
 
   it('leaves room around its values, also around a single one', () => {
-    const span = spanOf(pointsOf(items, exerciseKey(eight), 'C'))!;
+    const span = spanOf(pointsOf(items, of(eight), 'C'))!;
     expect(span.low).toBeCloseTo(0.46);
     expect(span.high).toBeCloseTo(0.94);
     const one = spanOf([{ item: items[0]!, value: 0 }])!;

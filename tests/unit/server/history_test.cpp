@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
+#include "control/contract/program_version.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "db/report/report.hpp"
+#include "db/store/database.hpp"
 #include "server/api/idempotency.hpp"
 #include "server/contract/routes.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -239,11 +243,61 @@ TEST_F(History, ATrendHoldsNoSimulatedWalk) {
   for (const db::MetricInfo& figure : db::kMetrics)
     EXPECT_EQ(trend["items"][1]["figures"][std::string{figure.key}], metrics[std::string{figure.key}]) << figure.key;
   EXPECT_EQ(trend["items"][1]["reason_code"], metrics["reason_code"]);
+  for (const db::MetricInfo& figure : db::kMetrics) {
+    const std::string key(figure.key);
+    EXPECT_EQ(trend["items"][1]["reasons"].value(key, json(nullptr)), metrics["computed"][key]["reason_code"]) << key;
+  }
+  const auto walked = std::ranges::find_if(trend["changes"], [](const json& change) { return change["figure"] == "walked_m"; });
+  ASSERT_NE(walked, trend["changes"].end());
+  EXPECT_EQ((*walked)["first"], trend["items"][1]["figures"]["walked_m"]);
+  EXPECT_EQ((*walked)["last"], trend["items"][0]["figures"]["walked_m"]);
+  EXPECT_EQ((*walked)["first_session"], real[0]);
+  EXPECT_EQ((*walked)["reason_code"], "one_visit") << "both of one day";
   const json page = get(path + "?limit=1").json();
   EXPECT_EQ(page["items"].size(), 1U);
   EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);
   EXPECT_EQ(get(path + "?limit=51").status, 422U);
   EXPECT_EQ(get("/api/v1/patients/99/trend").status, 404U);
+}
+
+// What REST gives is what db/report makes, may run nothing, and stands in the audit log.
+TEST_F(History, AReportIsThePageOfItsSessionAndIsLogged) {
+  const json person = patient("P-017");
+  choose(person["id"]);
+  const std::int64_t session = begin_walk(false);
+  const std::string path = "/api/v1/sessions/" + std::to_string(session) + "/report";
+  EXPECT_EQ(get(path).status, 409U) << "still being recorded";
+  end_walk();
+  for (const auto& [query, kind, language] : {std::tuple{"", db::ReportKind::full, db::Language::en},
+                                              std::tuple{"?kind=patient&language=de", db::ReportKind::patient, db::Language::de}}) {
+    const Answer page = get(path + query);
+    ASSERT_EQ(page.status, 200U) << page.body;
+    EXPECT_EQ(page.header("content-type"), "text/html; charset=utf-8");
+    EXPECT_EQ(page.header("content-security-policy"), db::kReportPolicy) << "and no second one";
+    EXPECT_EQ(page.body.find("<script"), std::string::npos);
+    auto database = db::Database::attach(db_path_);
+    ASSERT_TRUE(database.ok());
+    EXPECT_EQ(page.body, *db::session_report(*database, session, {kind, language, std::string(contract::program_version())}));
+  }
+  EXPECT_NE(get("/api/v1/status").header("content-security-policy").find("default-src 'self'"), std::string::npos);
+  for (const char* bad : {"?kind=short", "?language=fr"}) EXPECT_EQ(get(path + bad).status, 422U) << bad;
+  EXPECT_EQ(get("/api/v1/sessions/99/report").status, 404U);
+  const std::string visit = get("/api/v1/sessions/" + std::to_string(session)).json()["visit"]["id"].dump();
+  const Answer group = get("/api/v1/visits/" + visit + "/report?language=de");
+  EXPECT_EQ(group.status, 200U);
+  EXPECT_NE(group.body.find("<td>P-017</td>"), std::string::npos);
+  EXPECT_EQ(get("/api/v1/visits/99/report").status, 404U);
+  // Rows are written after their answers.
+  std::map<std::string, int> rows;
+  EXPECT_TRUE(until([&] {
+    rows.clear();
+    const json all = get("/api/v1/audit?limit=200").json()["items"];
+    for (const json& row : all) ++rows[row["action"].get<std::string>() + " " + row["result"].get<std::string>()];
+    return rows["get_visit_report 404"] > 0;
+  }));
+  EXPECT_EQ(rows["get_session_report 200"], 2);
+  EXPECT_EQ(rows["get_session_report 409"], 1);
+  EXPECT_EQ(rows["get_visit_report 200"], 1);
 }
 
 TEST_F(History, MarkersAreListedChangedAndDeletedForWhatWasSeen) {

@@ -88,6 +88,14 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     done: { en: 'downloaded {what}', de: 'hat {what} heruntergeladen' },
     tried: { en: 'download {what}', de: '{what} herunterladen' },
   },
+  get_session_report: {
+    done: { en: 'opened the report of {what}', de: 'hat den Bericht geöffnet: {what}' },
+    tried: { en: 'open the report of {what}', de: 'den Bericht öffnen: {what}' },
+  },
+  get_visit_report: {
+    done: { en: 'opened the report of a visit', de: 'hat den Bericht zu einem Termin geöffnet' },
+    tried: { en: 'open the report of a visit', de: 'den Bericht zu einem Termin öffnen' },
+  },
   change_session: {
     done: { en: 'changed note, code or exercise of {what}', de: 'hat Notiz, Kürzel oder Übung geändert: {what}' },
     tried: { en: 'change {what}', de: '{what} ändern' },

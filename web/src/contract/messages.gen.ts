@@ -68,6 +68,9 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   settings_changed: { en: 'Settings were changed during this walk.', de: 'Während dieses Wegs wurden Einstellungen geändert.' },
   no_start: { en: 'The patient never set off from a standstill.', de: 'Der Patient ging nie aus dem Stand los.' },
   no_stop: { en: 'The patient never came to a stop by leaning back.', de: 'Der Patient hielt nie durch Zurücklehnen an.' },
+  one_visit: { en: 'A comparison needs this value from two visits.', de: 'Für einen Vergleich braucht es diesen Wert aus zwei Terminen.' },
+  few_repeats: { en: 'How much this value varies by itself is not known yet. Repeat the walk within a visit.', de: 'Wie stark dieser Wert von selbst schwankt, ist noch unklar. Den Weg am selben Termin wiederholen.' },
+  within_noise: { en: 'The difference is no larger than the usual variation.', de: 'Der Unterschied ist nicht größer als die übliche Schwankung.' },
 };
 
 /** Take control; take_over takes it from somebody else while standing still. */

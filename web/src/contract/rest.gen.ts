@@ -54,7 +54,7 @@ export type AlarmPauseRequest = {
 };
 
 /** What was done or tried: an action, or a REST operation. */
-export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'pause_alarm' | 'stop' | 'acknowledge';
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'pause_alarm' | 'stop' | 'acknowledge';
 
 export type AuditCheck = {
   first_wrong: number | null;
@@ -406,6 +406,29 @@ export type FieldError = {
   message: string;
   min?: number;
   value?: number;
+};
+
+export type FigureChange = {
+  exercise: ExerciseOrNull;
+  figure: string;
+  first: number;
+  first_session: number;
+  last: number;
+  last_session: number;
+  /** 95 %, in the figure's unit: the published one or that of the patient's own repeats, the larger one; null: not known. */
+  minimal_detectable_change: number | null;
+  /** Why no change can be told; null: last differs from first by more than the minimal detectable change. */
+  reason_code: NoChange | null;
+  /** Degrees of freedom of the patient's own repeats within visits; 10 are needed. */
+  repeats: number;
+  /** Where it is published; null: the patient's own repeats, or not known. */
+  source: string | null;
+  task: string | null;
+  /** Whom and what it is published of. */
+  whom: {
+    de: string;
+    en: string;
+  } | null;
 };
 
 export type Firmware = {
@@ -954,6 +977,8 @@ export type NewUser = {
   user: UserName;
 };
 
+export type NoChange = 'one_visit' | 'few_repeats' | 'within_noise';
+
 export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
 export type NodeHealth = {
@@ -1200,7 +1225,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise';
 
 export type Recording = {
   detail: string;
@@ -1710,6 +1735,8 @@ export type ToolsRequest = {
 export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
 
 export type Trend = {
+  /** Of this page: newest value against the first one, of each figure, within one exercise and task. */
+  changes: readonly FigureChange[];
   items: readonly ({
     day: string;
     exercise: ExerciseOrNull;
@@ -1717,8 +1744,12 @@ export type Trend = {
     figures: TrendFigures | null;
     /** Why there is no C, J_N, or one of them. */
     reason_code: NoFigure | null;
+    /** Of each figure that is null: why. */
+    reasons: Record<string, NoFigure>;
     session: number;
     started_utc_ms: number;
+    /** Name of the task that it is a repetition of; walks are compared within one exercise and task. */
+    task: string | null;
     visit: number;
   })[];
   next: string | null;
@@ -2399,6 +2430,12 @@ export interface Routes {
     path: { id: number };
     answer: Metrics;
   };
+  /** A report of a session for print: figures, path, progress against the patient's first walk of the same exercise; without names. */
+  'GET /api/v1/sessions/{id}/report': {
+    path: { id: number };
+    query?: { kind?: 'patient' | 'full'; language?: 'en' | 'de' };
+    answer: never;
+  };
   /** Columns of a session, smallest and largest of each run of samples. */
   'GET /api/v1/sessions/{id}/samples': {
     path: { id: number };
@@ -2530,6 +2567,12 @@ export interface Routes {
     path: { id: number };
     body: VisitPatch;
     answer: VisitRow;
+  };
+  /** The main figures of a visit's sessions for print, with mean and standard deviation. */
+  'GET /api/v1/visits/{id}/report': {
+    path: { id: number };
+    query?: { language?: 'en' | 'de' };
+    answer: never;
   };
   /** The exercise and the walk since the start mark. */
   'GET /api/v1/walk': {

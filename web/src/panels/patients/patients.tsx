@@ -4,7 +4,7 @@ import { useEffect, useState } from 'preact/hooks';
 import type { Patient, Person, Session, VisitRow } from '../../contract/rest.gen';
 import { choosePatient, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
-import { rest, type Answer, type Problem } from '../../link/rest';
+import { address, rest, type Answer, type Problem } from '../../link/rest';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
@@ -209,6 +209,7 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
 }
 
 function Visits({ id, code, again, may }: { id: number; code: string; again: string; may: boolean }) {
+  const { language } = useSettings();
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { patient: id, limit: visitsMost } }), [id, again]);
   const sessions = useQuery(() => rest('GET /api/v1/sessions', { query: { q: code, limit: sessionsMost } }), [code, again]);
   const known = new Map((sessions.value?.items ?? []).map((session) => [session.id, session]));
@@ -220,7 +221,17 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
       {visits.value?.items.length === 0 ? <p class="hint">{t('home.new')}</p> : null}
       {(visits.value?.items ?? []).map((visit) => (
         <div key={visit.id} class="patient-visit">
-          <h3>{dayText(visit.day)}</h3>
+          <div class="visit-head">
+            <h3>{dayText(visit.day)}</h3>
+            <a
+              class="plain"
+              href={address('GET /api/v1/visits/{id}/report', { path: { id: visit.id }, query: { language } })}
+              target="_blank"
+              rel="noopener"
+            >
+              {t('visit.report')}
+            </a>
+          </div>
           <VisitNote visit={visit} may={may} onChange={visits.retry} />
           <ul class="rows">
             {visit.sessions.map((session) => (

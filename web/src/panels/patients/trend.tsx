@@ -1,43 +1,29 @@
 // How a patient's figures went over the sessions. Recordings of a simulated hoist are not among them.
 import { useState } from 'preact/hooks';
+import { metricGroups, metrics, type MetricInfo, type MetricKey } from '../../contract/metrics.gen';
 import { useQuery } from '../../link/query';
 import { rest } from '../../link/rest';
 import { addressOf } from '../../router';
 import { exerciseTitle } from '../../text/exercise';
 import { reasonText } from '../../text/server';
-import type { TextKey } from '../../text/en';
-import { dayText, fixed, t, toDegrees, withUnit } from '../../text/text';
+import { dayText, fixed, t, withUnit, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
-import { exercisesOf, pointsOf, runsOf, spanOf, type FigureKey, type TrendPoint } from './trend_model';
+import { useTaskTitles } from '../../ui/task_titles';
+import { changeOf, pointsOf, runsOf, spanOf, walkedOf, type TrendChange, type TrendPoint, type Walked } from './trend_model';
 import './trend.css';
 
-interface Figure {
-  key: FigureKey;
-  title: TextKey;
-  unit: string;
-  factor: number;
-  decimals: number;
-}
-const figures: readonly Figure[] = [
-  { key: 'mean_speed_m_s', title: 'metric.speed', unit: 'm/s', factor: 1, decimals: 2 },
-  { key: 'walked_m', title: 'metric.distance', unit: 'm', factor: 1, decimals: 1 },
-  { key: 'motion_s', title: 'metric.duration', unit: 'min', factor: 1 / 60, decimals: 1 },
-  { key: 'C', title: 'metric.turning', unit: '', factor: 1, decimals: 2 },
-  { key: 'J_N', title: 'metric.accuracy', unit: '', factor: 1, decimals: 1 },
-  { key: 'rms_position_m', title: 'metric.offPath', unit: 'cm', factor: 100, decimals: 0 },
-  { key: 'rms_heading_rad', title: 'metric.offHeading', unit: '°', factor: toDegrees(1), decimals: 0 },
-];
 const sessionsMost = 50;
 
 export function TrendCard({ patient, again }: { patient: number; again: string }) {
   const asked = useQuery(() => rest('GET /api/v1/patients/{id}/trend', { path: { id: patient }, query: { limit: sessionsMost } }), [patient, again]);
-  const [key, setKey] = useState<FigureKey>('mean_speed_m_s');
+  const [key, setKey] = useState<MetricKey>('walking_speed_m_s');
   const [chosen, setChosen] = useState<string | null>(null);
   const items = asked.value?.items ?? [];
-  const exercises = exercisesOf(items);
-  const exercise = chosen !== null && exercises.has(chosen) ? chosen : ([...exercises.keys()][0] ?? '');
-  const figure = figures.find((one) => one.key === key)!;
-  const points = pointsOf(items, exercise, key);
+  const titleOf = useTaskTitles();
+  const kinds = walkedOf(items);
+  const walked = chosen !== null && kinds.has(chosen) ? chosen : ([...kinds.keys()][0] ?? '');
+  const figure = metrics.find((one) => one.key === key)!;
+  const points = pointsOf(items, walked, key);
   const left = asked.value?.simulated_left_out ?? 0;
   return (
     <section class="card trend">
@@ -50,27 +36,34 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
           <div class="trend-choice">
             <label class="field">
               <span>{t('trend.figure')}</span>
-              <select value={key} onChange={(event) => setKey(event.currentTarget.value as FigureKey)}>
-                {figures.map((one) => (
-                  <option key={one.key} value={one.key}>
-                    {t(one.title)}
-                  </option>
+              <select value={key} onChange={(event) => setKey(event.currentTarget.value as MetricKey)}>
+                {metricGroups.map((group) => (
+                  <optgroup key={group.name} label={words(group.title)}>
+                    {metrics
+                      .filter((one) => one.group === group.name)
+                      .map((one) => (
+                        <option key={one.key} value={one.key}>
+                          {words(one.title)}
+                        </option>
+                      ))}
+                  </optgroup>
                 ))}
               </select>
             </label>
             <label class="field">
               <span>{t('exercise.label')}</span>
-              <select value={exercise} onChange={(event) => setChosen(event.currentTarget.value)}>
-                {[...exercises].map(([name, one]) => (
+              <select value={walked} onChange={(event) => setChosen(event.currentTarget.value)}>
+                {[...kinds].map(([name, one]) => (
                   <option key={name} value={name}>
-                    {sizeText(name, one === null ? 'free' : one.shape)}
+                    {walkedText(one, titleOf)}
                   </option>
                 ))}
               </select>
             </label>
           </div>
           <Plot points={points} figure={figure} />
-          <Gaps points={points} />
+          <Change change={changeOf(asked.value?.changes ?? [], walked, key)} points={points} figure={figure} />
+          <Gaps points={points} figure={figure} />
         </>
       ) : null}
       {left > 0 ? <p class="hint">{t(left === 1 ? 'trend.simulatedOne' : 'trend.simulated', { n: left })}</p> : null}
@@ -78,21 +71,23 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   );
 }
 
-/** "Square, 3.2 m": the exercise with its sizes, since each size is another exercise. */
-function sizeText(key: string, shape: Parameters<typeof exerciseTitle>[0]): string {
-  const sizes = Object.entries(JSON.parse(key) as Record<string, unknown>).flatMap(([name, value]) =>
+/** "Square, 3.2 m": the task or exercise with its sizes, since each size is another one. */
+function walkedText({ exercise, task }: Walked, titleOf: (task: string) => string): string {
+  const sizes = Object.entries(exercise ?? {}).flatMap(([name, value]) =>
     name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(fixed(value, 1), 'm')] : [],
   );
-  return [exerciseTitle(shape), ...sizes].join(', ');
+  return [task === null ? exerciseTitle(exercise?.shape ?? 'free') : titleOf(task), ...sizes].join(', ');
 }
+
+/** A value in the figure's screen unit, as everywhere. */
+const textOf = ({ unit, factor, digits }: MetricInfo, value: number) => withUnit(fixed(value * factor, digits), unit);
 
 const width = 440;
 const height = 190;
 const edge = { left: 48, right: 10, top: 10, bottom: 26 };
 
-function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figure }) {
+function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: MetricInfo }) {
   const span = spanOf(points);
-  const text = (value: number) => withUnit(fixed(value * figure.factor, figure.decimals), figure.unit);
   if (span === null) return <p class="hint">{t('trend.noValue')}</p>;
   const inner = { width: width - edge.left - edge.right, height: height - edge.top - edge.bottom };
   const x = (i: number) => edge.left + (points.length === 1 ? inner.width / 2 : (i / (points.length - 1)) * inner.width);
@@ -100,12 +95,12 @@ function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figur
   const values = points.flatMap(({ value }) => (value === null ? [] : [value]));
   const marks = [...new Set([Math.min(...values), Math.max(...values)])];
   return (
-    <svg class="trend-plot" viewBox={`0 0 ${width} ${height}`} role="group" aria-label={t('trend.picture', { what: t(figure.title) })}>
+    <svg class="trend-plot" viewBox={`0 0 ${width} ${height}`} role="group" aria-label={t('trend.picture', { what: words(figure.title) })}>
       {marks.map((value) => (
         <g key={value}>
           <line class="trend-grid" x1={edge.left} x2={width - edge.right} y1={y(value)} y2={y(value)} />
           <text class="p-text" x={edge.left - 5} y={y(value) + 4} text-anchor="end">
-            {fixed(value * figure.factor, figure.decimals)}
+            {fixed(value * figure.factor, figure.digits)}
           </text>
         </g>
       ))}
@@ -121,7 +116,7 @@ function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figur
         <a
           key={item.session}
           href={addressOf('sessions', item.session)}
-          aria-label={`${dayText(item.day)}: ${value === null ? t('trend.gap') : text(value)}`}
+          aria-label={`${dayText(item.day)}: ${value === null ? t('trend.gap') : textOf(figure, value)}`}
         >
           {value === null ? (
             <path class="trend-gap" d={`M${x(i) - 4} ${height - edge.bottom - 4}l8 -8m0 8l-8 -8`} />
@@ -143,12 +138,41 @@ function Plot({ points, figure }: { points: readonly TrendPoint[]; figure: Figur
   );
 }
 
+/** Newest value against the first one: an arrow only beyond the minimal detectable change, else why there is none. */
+function Change({ change, points, figure }: { change: TrendChange | null; points: readonly TrendPoint[]; figure: MetricInfo }) {
+  if (change === null) return null;
+  const dayOf = (session: number) => dayText(points.find(({ item }) => item.session === session)?.item.day);
+  const by = change.last - change.first;
+  return (
+    <div class="trend-change" role="status">
+      {change.reason_code === null ? (
+        <strong>
+          <span aria-hidden="true">{by > 0 ? '↑' : '↓'}</span>{' '}
+          {t(by > 0 ? 'trend.more' : 'trend.less', { by: textOf(figure, Math.abs(by)), day: dayOf(change.first_session) })}
+        </strong>
+      ) : (
+        <span>
+          {t('trend.noChange')} {reasonText(change.reason_code)}
+        </span>
+      )}
+      {change.minimal_detectable_change === null ? null : (
+        <small>
+          {t('trend.minimal', { minimal: textOf(figure, change.minimal_detectable_change) })}{' '}
+          {change.source === null || change.whom === null
+            ? t('trend.ownRepeats', { n: change.repeats })
+            : t('trend.published', { source: change.source, whom: words(change.whom) })}
+        </small>
+      )}
+    </div>
+  );
+}
+
 /** Each session without this figure, and why. */
-function Gaps({ points }: { points: readonly TrendPoint[] }) {
+function Gaps({ points, figure }: { points: readonly TrendPoint[]; figure: MetricInfo }) {
   const gaps = points.filter(({ value }) => value === null);
   if (gaps.length === 0) return null;
   const why = ({ item }: TrendPoint) =>
-    item.figures === null ? t('trend.unreadable') : item.reason_code === null ? t('trend.undefined') : reasonText(item.reason_code);
+    item.figures === null ? t('trend.unreadable') : (reasonText(item.reasons[figure.key] ?? null) ?? t('trend.undefined'));
   return (
     <>
       <h3>{t('trend.gaps')}</h3>

@@ -1,16 +1,22 @@
 // A patient's figures over the sessions, and where there is none: why.
-import type { Exercise, Trend } from '../../contract/rest.gen';
+import type { MetricKey } from '../../contract/metrics.gen';
+import type { Trend } from '../../contract/rest.gen';
 
 export type TrendItem = Trend['items'][number];
-export type FigureKey = keyof NonNullable<TrendItem['figures']>;
 
-/** Only walks of the same exercise are compared: a circle is no harder or easier than an eight of another size. */
-export const exerciseKey = (exercise: Exercise | null): string => JSON.stringify(exercise ?? { shape: 'free' });
+/** What was walked: only walks of the same exercise and the same task are compared. */
+export type Walked = Pick<TrendItem, 'exercise' | 'task'>;
+export const walkedKey = ({ exercise, task }: Walked): string => JSON.stringify([exercise ?? { shape: 'free' }, task]);
 
-/** The exercises of a trend, the one that was walked last first. */
-export function exercisesOf(items: readonly TrendItem[]): Map<string, Exercise | null> {
-  return new Map(items.map(({ exercise }) => [exerciseKey(exercise), exercise]));
+/** What was walked in a trend, the last one first. */
+export function walkedOf(items: readonly TrendItem[]): Map<string, Walked> {
+  return new Map(items.map(({ exercise, task }) => [walkedKey({ exercise, task }), { exercise, task }]));
 }
+
+export type TrendChange = Trend['changes'][number];
+/** What is told of a figure's change over comparable walks. */
+export const changeOf = (changes: readonly TrendChange[], walked: string, figure: MetricKey): TrendChange | null =>
+  changes.find((one) => one.figure === figure && walkedKey(one) === walked) ?? null;
 
 export interface TrendPoint {
   item: TrendItem;
@@ -18,9 +24,9 @@ export interface TrendPoint {
   value: number | null;
 }
 /** Oldest first. */
-export const pointsOf = (items: readonly TrendItem[], exercise: string, figure: FigureKey): TrendPoint[] =>
+export const pointsOf = (items: readonly TrendItem[], walked: string, figure: MetricKey): TrendPoint[] =>
   items
-    .filter((item) => exerciseKey(item.exercise) === exercise)
+    .filter((item) => walkedKey(item) === walked)
     .map((item) => ({ item, value: item.figures?.[figure] ?? null }))
     .reverse();
 

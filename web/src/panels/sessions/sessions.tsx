@@ -289,6 +289,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
           </a>
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${walkName(session, titleOf)}`}</h2>
           <Export id={id} />
+          {session?.recording === false ? <Reports id={id} /> : null}
           <button type="button" class="plain last" disabled={session?.recording !== false} onClick={() => onDelete(session!.etag)}>
             {t('sessions.delete')}
           </button>
@@ -392,6 +393,22 @@ function Export({ id }: { id: number }) {
       </select>
       <a class="plain" href={address('GET /api/v1/sessions/{id}/export', { path: { id }, query: { format } })} download>
         {t('sessions.export')}
+      </a>
+    </div>
+  );
+}
+
+/** The session on paper: pages of the server, which the browser prints. */
+function Reports({ id }: { id: number }) {
+  const { language } = useSettings();
+  const page = (kind: 'patient' | 'full') => address('GET /api/v1/sessions/{id}/report', { path: { id }, query: { kind, language } });
+  return (
+    <div class="session-export">
+      <a class="plain" href={page('patient')} target="_blank" rel="noopener">
+        {t('sessions.sheet')}
+      </a>
+      <a class="plain" href={page('full')} target="_blank" rel="noopener">
+        {t('sessions.report')}
       </a>
     </div>
   );
