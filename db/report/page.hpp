@@ -13,7 +13,7 @@
 
 namespace hoist::db::report {
 
-/// What a report shows first, in the order of kMetrics; a patient's page shows no others.
+/// What a report shows first, behind the results of its task; a patient's page shows no others.
 inline constexpr std::array<std::string_view, 6> kMainFigures{"rms_position_m",    "motion_s",         "walked_m",
                                                               "walking_speed_m_s", "patient_led_norm", "cadence_steps_min"};
 [[nodiscard]] bool is_main(const MetricInfo& figure);

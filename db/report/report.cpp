@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
@@ -13,6 +14,8 @@
 #include "db/store/exercise_json.hpp"
 #include "db/store/markers.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/task_record.hpp"
+#include "db/store/tasks.hpp"
 #include "db/store/visits.hpp"
 
 namespace hoist::db {
@@ -44,17 +47,37 @@ void add_head(Page& page, const SessionInfo& session) {
   if (page.full() && !session.note.empty()) page.text(page.w(Word::note) + ": " + session.note);
 }
 
-void add_main(Page& page, const SessionMetrics& metrics) {
-  page.heading(page.w(Word::main));
-  std::string boxes;
-  for (std::size_t i = 0; i < kMetrics.size(); ++i) {
-    if (!report::is_main(kMetrics[i])) continue;
-    const Cell cell = page.cell(kMetrics[i], metrics.figures[i]);
-    const bool valid = cell.style == Cell::Style::number;
-    boxes += "<div>" + escaped(page.title_of(kMetrics[i])) + (valid ? "<b>" : "<br><span class=\"absent\">") + escaped(cell.text) +
-             (valid ? "</b>" : "</span>") + "</div>";
+// The results of the session's task, then the main figures.
+std::vector<std::size_t> figures_in_short(const SessionInfo& session) {
+  std::vector<std::size_t> chosen;
+  const auto take = [&](std::string_view key) {
+    const auto at = std::ranges::find(kMetrics, key, &MetricInfo::key);
+    const auto index = static_cast<std::size_t>(at - kMetrics.begin());
+    if (at != kMetrics.end() && std::ranges::find(chosen, index) == chosen.end()) chosen.push_back(index);
+  };
+  const auto record = task_of_stored(session.exercise_json);
+  if (const TaskInfo* task = record ? find_task(record->task) : nullptr) {
+    const nlohmann::json text = nlohmann::json::parse(task->text);
+    for (const auto& key : text.at("results")) take(key.get_ref<const std::string&>());
   }
-  page.html("<div class=\"main\">" + boxes + "</div>");
+  for (const MetricInfo& figure : kMetrics)
+    if (report::is_main(figure)) take(figure.key);
+  return chosen;
+}
+
+// Large numbers are what there is; below them, small, what this session could not bear.
+void add_main(Page& page, const SessionInfo& session, const SessionMetrics& metrics) {
+  page.heading(page.w(Word::main));
+  std::string boxes, absent;
+  for (const std::size_t i : figures_in_short(session)) {
+    const Cell cell = page.cell(kMetrics[i], metrics.figures[i]);
+    const std::string title = escaped(page.title_of(kMetrics[i]));
+    if (cell.style == Cell::Style::number)
+      boxes += "<div>" + title + "<b>" + escaped(cell.text) + "</b></div>";
+    else
+      absent += "<div class=\"absent\">" + title + ": " + escaped(cell.text) + "</div>";
+  }
+  page.html("<div class=\"main\">" + boxes + "</div>" + absent);
 }
 
 Status add_path(Page& page, Database& database, const SessionInfo& session) {
@@ -161,23 +184,33 @@ void add_progress(Page& page, const SessionInfo& session, std::span<const TrendE
   add_progress_pictures(page, entries);
 }
 
-void add_all_figures(Page& page, const SessionMetrics& metrics) {
+// Rows of the figures that `wanted` takes; without any, no heading either.
+template <typename Wanted>
+void add_figures(Page& page, const std::string& heading, const SessionMetrics& metrics, Wanted wanted) {
   const std::array<Table::Column, 4> columns{
       {{page.w(Word::figure)}, {page.w(Word::value), true}, {page.w(Word::definition)}, {page.w(Word::gate)}}};
-  for (std::size_t group = 0; group < kMetricGroups.size(); ++group) {
-    page.heading(std::string(report::either(page.language(), kMetricGroups[group].title_en, kMetricGroups[group].title_de)));
-    Table table(columns);
-    for (std::size_t i = 0; i < kMetrics.size(); ++i) {
-      const MetricInfo& figure = kMetrics[i];
-      if (static_cast<std::size_t>(figure.group) != group) continue;
-      const std::string definition = std::string(figure.key) + " v" + std::to_string(figure.version) + ": " + std::string(figure.formula) +
-                                     ". " + std::string(figure.source);
-      table.row(
-          std::array{Cell{page.title_of(figure)}, page.cell(figure, metrics.figures[i]), Cell{definition, Cell::Style::english},
-                     figure.gate.empty() ? small(page.w(Word::every_session)) : Cell{std::string(figure.gate), Cell::Style::english}});
-    }
-    page.html("<div class=\"defined\">" + table.whole() + "</div>");
+  Table table(columns);
+  bool any = false;
+  for (std::size_t i = 0; i < kMetrics.size(); ++i) {
+    const MetricInfo& figure = kMetrics[i];
+    if (!wanted(figure, metrics.figures[i].value.has_value())) continue;
+    any = true;
+    const std::string definition = std::string(figure.key) + " v" + std::to_string(figure.version) + ": " + std::string(figure.formula) +
+                                   ". " + std::string(figure.source);
+    table.row(std::array{Cell{page.title_of(figure)}, page.cell(figure, metrics.figures[i]), Cell{definition, Cell::Style::english},
+                         figure.gate.empty() ? small(page.w(Word::every_session)) : Cell{std::string(figure.gate), Cell::Style::english}});
   }
+  if (!any) return;
+  page.heading(heading);
+  page.html("<div class=\"defined\">" + table.whole() + "</div>");
+}
+
+// By groups what there is, at the end what there is not: a free walk does not begin with the results of a task.
+void add_all_figures(Page& page, const SessionMetrics& metrics) {
+  for (std::size_t group = 0; group < kMetricGroups.size(); ++group)
+    add_figures(page, std::string(report::either(page.language(), kMetricGroups[group].title_en, kMetricGroups[group].title_de)), metrics,
+                [group](const MetricInfo& figure, bool valid) { return valid && static_cast<std::size_t>(figure.group) == group; });
+  add_figures(page, page.w(Word::not_here), metrics, [](const MetricInfo&, bool valid) { return !valid; });
 }
 
 Status add_alarms(Page& page, Database& database, const SessionInfo& session) {
@@ -292,7 +325,7 @@ Result<std::string> session_report(Database& database, const ReportSession& of, 
   Page page(options.kind == ReportKind::full ? Word::full_title : Word::sheet_title, options);
   const SessionInfo& session = of.session;
   add_head(page, session);
-  add_main(page, of.metrics);
+  add_main(page, session, of.metrics);
   if (Status drawn = add_path(page, database, session); !drawn) return drawn.error();
   if (!trend.empty()) add_progress(page, session, trend);
   if (!page.full()) return page.whole(nullptr);

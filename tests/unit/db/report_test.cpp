@@ -13,6 +13,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "db/report/pictures.hpp"
+#include "db/store/tasks.hpp"
 #include "db/summary/session_json.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/unit/db/db_support.hpp"
@@ -33,7 +34,8 @@ struct Recorded {
   SessionWriter writer = std::move(*SessionWriter::create(database));
   std::vector<SessionId> sessions;
 
-  void walk(std::string subject, std::string note, bool simulated = false) {
+  void walk(std::string subject, std::string note, bool simulated = false,
+            std::string exercise = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})") {
     const auto seed = static_cast<std::uint32_t>(sessions.size() + 1);
     SessionStart start;
     start.subject = std::move(subject);
@@ -42,7 +44,7 @@ struct Recorded {
     start.software_version = "1.0";
     start.note = std::move(note);
     start.simulated = simulated;
-    start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+    start.exercise_json = std::move(exercise);
     std::vector<double> values;
     for (const contract::ParamInfo& param : contract::kParams) values.push_back(param.default_value);
     start.parameter_values = values;
@@ -118,6 +120,37 @@ TEST(Report, EveryFigureHasTheDigitsOfItsValueOrSaysWhyNot) {
   }
   EXPECT_GT(valid, 40U);
   EXPECT_GT(closed, 10U) << "no task, no lap";
+}
+
+// In the order of the page: what there is, and at the end what there is not.
+TEST(Report, ItBeginsWithWhatTheSessionHas) {
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  const SessionMetrics metrics = *session_metrics(r.database, r.sessions.front());
+  const std::string page = r.report(r.sessions.front());
+  const std::size_t rest = page.find("<h2>Not valid in this session</h2>");
+  ASSERT_NE(rest, std::string::npos);
+  EXPECT_EQ(page.find("<h2>Task</h2>"), std::string::npos) << "it was no task";
+  for (std::size_t i = 0; i < kMetrics.size(); ++i)
+    EXPECT_EQ(page.find(">" + std::string(kMetrics[i].key) + " v") < rest, metrics.figures[i].value.has_value()) << kMetrics[i].key;
+  const std::string boxes = page.substr(page.find("<div class=\"main\">"), page.find("<h2>Path</h2>") - page.find("<div class=\"main\">"));
+  EXPECT_LT(boxes.rfind("<b>"), boxes.find("Not valid")) << "numbers first";
+}
+
+// Its results come first: the time of a 10 m walk is what was asked for.
+TEST(Report, ATaskBeginsWithItsResults) {
+  Recorded r;
+  std::vector<ExerciseProblem> problems;
+  const TaskChoice choice = *read_task_choice({{"task", "walk_2min"}}, problems);
+  r.walk("P-01", "", false, stored_with_task(choice.exercise, task_record(choice, 1)));
+  r.end();
+  for (const ReportKind kind : {ReportKind::patient, ReportKind::full}) {
+    const std::string page = r.report(r.sessions.front(), kind);
+    const std::string begin = page.substr(0, page.find("<h2>Path</h2>"));
+    EXPECT_NE(begin.find("Distance of the task"), std::string::npos);
+    EXPECT_NE(begin.find("The end of the task was not reached."), std::string::npos) << "30 s of 120";
+  }
 }
 
 TEST(Report, NoTextBecomesMarkup) {
