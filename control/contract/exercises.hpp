@@ -36,8 +36,7 @@ struct ExerciseSize {
   ExerciseRole role;
   std::string_view name, stored;
   bool required;
-  double usual_m, driven_least_m, driven_most_m, share;
-  bool curve;
+  double usual_m, driven_least_m, driven_most_m, share, curve;
   std::string_view title_en, title_de, doc;
 };
 #define HOIST_EXERCISE(...)
@@ -68,7 +67,7 @@ inline constexpr double kExerciseLeast_m = 0.2, kExerciseMost_m = 100.0;
 static_assert(unique_by(kExercises, [](const ExerciseInfo& e) { return e.name; }), "exercises.def: a shape is named twice");
 static_assert(all_rows(kExerciseSizes,
                        [](const ExerciseSize& s) {
-                         return s.share >= 0 && s.share <= 1 && s.driven_least_m >= kExerciseLeast_m &&
+                         return s.share >= 0 && s.share <= 1 && s.curve >= 0 && s.curve <= 1 && s.driven_least_m >= kExerciseLeast_m &&
                                 s.driven_most_m <= kExerciseMost_m && s.driven_least_m < s.driven_most_m &&
                                 (s.role == ExerciseRole::radius || (s.share == 0 && s.required));
                        }),
@@ -113,10 +112,10 @@ struct Exercise {
     if (row.shape == shape) size_of(exercise, row.role) = row.usual_m;
   return exercise;
 }
-/// The size that is the radius of its curves; null for a shape without curves.
+/// The size that gives the radius of its curves; null for a shape without curves.
 [[nodiscard]] constexpr const ExerciseSize* find_curve(ExerciseShape shape) {
   for (const ExerciseSize& row : kExerciseSizes)
-    if (row.shape == shape && row.curve) return &row;
+    if (row.shape == shape && row.curve > 0) return &row;
   return nullptr;
 }
 
@@ -131,6 +130,8 @@ struct Exercise {
         return ReferencePath::circle(exercise.size_m);
       case ExerciseShape::eight:
         return ReferencePath::eight(exercise.size_m, exercise.radius_m);
+      case ExerciseShape::slalom:
+        return ReferencePath::slalom(exercise.size_m);
       case ExerciseShape::straight:
         return ReferencePath::straight(exercise.size_m);
       case ExerciseShape::free:

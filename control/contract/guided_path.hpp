@@ -97,7 +97,7 @@ struct GuidedProblems {
   // Curvature times the slowest speed must stay within the turning limit's share; faster ones are slowed in the curve.
   const double least_m = kGuidedSpeedLeast_m_s / (kGuidedYawShare_norm * limits.yaw_rate_rad_s);
   if (const ExerciseSize* curve = find_curve(path.shape); curve != nullptr && size_of(path, curve->role) > 0)
-    problems.require(GuidedField::curve, size_of(path, curve->role), least_m, curve->driven_most_m);
+    problems.require(GuidedField::curve, size_of(path, curve->role), least_m / curve->curve, curve->driven_most_m);
   return problems;
 }
 

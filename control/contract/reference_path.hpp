@@ -4,8 +4,9 @@
 // square: counter-clockwise from (-side/2, -side/2), heading 0.
 // eight:  arcs of radius R about (+c, 0) and (-c, 0), joined by straights that cross at the origin; starts at the origin, heading
 //         asin(R/c), right arc (clockwise) first. R = c gives two tangent circles.
-// straight: from the origin along +x; open. All other figures are closed.
+// straight: from the origin along +x; open. Figures are closed where nothing else is said.
 // circle: counter-clockwise from the origin, heading 0, about (0, R).
+// slalom: from the origin, heading 0, about four poles on a line parallel to x, the first one passed on its left; open.
 // A square may have round corners; it then begins in the middle of its first side. mirrored() turns any figure over to its right-hand twin.
 #pragma once
 
@@ -15,7 +16,7 @@
 
 namespace hoist::contract {
 
-enum class PathShape : unsigned char { kSquare, kEight, kStraight, kCircle };
+enum class PathShape : unsigned char { kSquare, kEight, kStraight, kCircle, kSlalom };
 
 /// A place on the figure. psi is not wrapped: it grows by a full turn with each lap of the square.
 struct PathPose {
@@ -30,6 +31,9 @@ inline constexpr double kSquareSide_m = 3.2;
 inline constexpr double kEightCentre_m = 1.0;
 inline constexpr double kEightRadius_m = 0.8;
 inline constexpr double kStraightLength_m = 10.0;
+/// A slalom crosses the line of its poles at 60 degrees: its curves have this share of the spacing as radius, 1 / (2 sin 60 degrees), and
+/// pass each pole at half of that. At 2 m, a hoist of 0.7 m keeps 0.23 m from the poles.
+inline constexpr double kSlalomCurve_norm = 0.57735026918962576;
 /// How far ahead the projection looks, so that the crossing of the eight is never jumped (D27).
 inline constexpr double kProjectionWindow_m = 0.5;
 
@@ -99,6 +103,18 @@ class ReferencePath {
     return path;
   }
 
+  /// Round four poles of this spacing, first to the left; it ends five spacings ahead, along x again.
+  [[nodiscard]] static ReferencePath slalom(double spacing_m) {
+    ReferencePath path(PathShape::kSlalom);
+    if (!usable(spacing_m)) return path;
+    path.start_ = {0.0, 0.0, 0.0, 0.0};
+    const double radius_m = kSlalomCurve_norm * spacing_m, swing_m = kSixth_rad * radius_m;
+    path.add_arc(swing_m, 1.0 / radius_m);
+    for (int pole = 0; pole < 4; ++pole) path.add_arc(2.0 * swing_m, (pole % 2 == 0 ? -1.0 : 1.0) / radius_m);
+    path.add_arc(swing_m, -1.0 / radius_m);
+    return path;
+  }
+
   /// The same figure with left and right exchanged.
   [[nodiscard]] ReferencePath mirrored() const {
     ReferencePath path = *this;
@@ -111,9 +127,9 @@ class ReferencePath {
 
   [[nodiscard]] PathShape shape() const { return shape_; }
   [[nodiscard]] bool valid() const { return count_ > 0; }
-  /// True for closed figures; the straight is open.
-  [[nodiscard]] bool closed() const { return shape_ != PathShape::kStraight; }
-  /// Length of one lap, or of the straight.
+  /// Whether the end is the start again, so that it has laps.
+  [[nodiscard]] bool closed() const { return shape_ != PathShape::kStraight && shape_ != PathShape::kSlalom; }
+  /// Length of one lap, or of an open figure.
   [[nodiscard]] double length_m() const { return length_m_; }
 
   /// The place at arc length s_m from the start; on a corner, the edge that follows (D27). Laps are counted for closed figures; an open
@@ -184,6 +200,7 @@ class ReferencePath {
  private:
   static constexpr double kHalf_rad = 3.14159265358979323846;
   static constexpr double kQuarter_rad = kHalf_rad / 2.0;
+  static constexpr double kSixth_rad = kHalf_rad / 3.0;
   static constexpr std::size_t kSegmentLimit = 9;
   /// A place this close before a joint is on the joint, so that rounding does not decide which edge follows.
   static constexpr double kJoint_m = 1e-9;

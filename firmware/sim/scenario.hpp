@@ -27,6 +27,7 @@ inline constexpr std::array kScenarios{
     Scenario{"stand", "stands still", Figure::free, 0.0},
     Scenario{"slippery", "walks the figure of eight over wet patches and overpowers the frame there", Figure::eight, 0.0, true},
     Scenario{"trip", "walks straight ahead and stumbles after 6 s", Figure::straight, 6.0},
+    Scenario{"slalom", "walks round four poles, then stands", Figure::slalom, 0.0},
 };
 
 constexpr const Scenario* find_scenario(std::string_view name) {

@@ -71,10 +71,10 @@ Drive drive(ClosedLoop& loop, double at_most_s) {
 
 constexpr double kEnd_m = 0.03, kEnd_rad = 2.0 * std::numbers::pi / 180.0;
 
-void expect_end(const Drive& run, double x_m) {
+void expect_end(const Drive& run, double x_m, double y_m = 0, double turns = 0) {
   EXPECT_EQ(run.ended, GuidedEnd::finished);
-  EXPECT_LT(std::hypot(run.end.x_m - x_m, run.end.y_m), kEnd_m);
-  EXPECT_LT(std::fabs(std::remainder(run.end.psi_rad, kTurn_rad)), kEnd_rad);
+  EXPECT_LT(std::hypot(run.end.x_m - x_m, run.end.y_m - y_m), kEnd_m);
+  EXPECT_LT(std::fabs(std::remainder(run.end.psi_rad - turns * kTurn_rad, kTurn_rad)), kEnd_rad);
 }
 
 TEST(Guided, TheFigureOfEightStaysWithinTwoCentimetres) {
@@ -93,7 +93,7 @@ TEST(Guided, EveryShapeEndsWhereItShould) {
   struct Case {
     const char* name;
     GuidedPath path;
-    double x_m, turns;
+    double x_m, turns, y_m = 0;
   };
   const Case cases[] = {
       {"straight", {GuidedShape::straight, false, 3.0, 0, 0.5, 1}, 3.0, 0},
@@ -104,13 +104,14 @@ TEST(Guided, EveryShapeEndsWhereItShould) {
       {"circle to the right, twice", {GuidedShape::circle, true, 0.8, 0, 0.3, 2}, 0, -2},
       {"tight circle, asked too fast", {GuidedShape::circle, false, 0.4, 0, 0.6, 1}, 0, 1},
       {"eight of tangent circles", {GuidedShape::eight, true, 0.7, 0.7, 0.25, 1}, 0, 0},
+      {"slalom", {GuidedShape::slalom, false, 1.5, 0, 0.4, 1}, 7.5, 0, 1.5 * contract::kSlalomCurve_norm},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     ClosedLoop loop(standing());
     ASSERT_TRUE(loop.start_guided(c.path));
     const Drive run = drive(loop, 120.0);
-    expect_end(run, c.x_m);
+    expect_end(run, c.x_m, c.y_m, c.turns);
     EXPECT_NEAR(run.end.psi_rad / kTurn_rad, c.turns, 0.02);
     EXPECT_LT(run.worst_m, 0.03);
     EXPECT_EQ(loop.record().stop_cause, 0U);

@@ -156,6 +156,25 @@ TEST(Walking, H15_EveryPresetIsLedOnEveryFigure) {
   }
 }
 
+TEST(Walking, ASlalomIsWalkedToItsEnd) {
+  ClosedLoop loop(scenario("slalom"));
+  set_pose_of_figure(loop);
+  const contract::ReferencePath& path = loop.world().patient().path();
+  ASSERT_TRUE(loop.start(Mode::user));
+  Columns run;
+  while (loop.world().patient().progress_m() < path.length_m() - 0.1 && loop.mode() == Mode::user && loop.time_s() < 180.0) {
+    loop.step();
+    run.add(loop.record());
+  }
+  EXPECT_GE(loop.world().patient().progress_m(), path.length_m() - 0.1);
+  EXPECT_FALSE(was_stopped(loop));
+  const auto evaluation = db::evaluate(path, {core::kTick_s, run.x_m, run.y_m, run.psi_rad, run.dpsi_rad});
+  ASSERT_TRUE(evaluation && evaluation->ise && evaluation->c);
+  std::printf("slalom: %.0f s, J %.1f, C %.2f\n", loop.time_s(), evaluation->ise->j, *evaluation->c);
+  EXPECT_LE(evaluation->ise->j, 25.0);
+  EXPECT_GE(*evaluation->c, 0.5);
+}
+
 TEST(Walking, TheSameOverTheSerialGateway) {
   ClosedLoopOptions options = scenario("figure-eight");
   options.through_gateway = true;

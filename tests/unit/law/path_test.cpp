@@ -21,6 +21,8 @@ std::vector<ReferencePath> figures() {
           ReferencePath::circle(0.7),
           ReferencePath::round_square(2.0, 0.4),
           ReferencePath::round_square(1.0, 0.5),
+          ReferencePath::slalom(2.0),
+          ReferencePath::slalom(1.5).mirrored(),
           ReferencePath::square().mirrored(),
           ReferencePath::eight().mirrored()};
 }

@@ -50,6 +50,11 @@ export const exercises: readonly ExerciseInfo[] = [
       { name: 'radius_m', title: { en: 'Radius', de: 'Radius' }, required: true, usual_m: 0.8, driven_least_m: 0.3, driven_most_m: 20, share: 1 },],
   },
   {
+    shape: 'slalom', title: { en: 'Slalom', de: 'Slalom' }, turned: true, closed: false, usual_length_m: 12.092,
+    sizes: [
+      { name: 'spacing_m', title: { en: 'Pole spacing', de: 'Stangenabstand' }, required: true, usual_m: 2, driven_least_m: 1, driven_most_m: 10, share: 0 },],
+  },
+  {
     shape: 'free', title: { en: 'Free', de: 'Frei' }, turned: false, closed: false, usual_length_m: 0,
     sizes: [],
   },
@@ -61,5 +66,6 @@ export const usualExercise = {
   square: { shape: 'square', side_m: 3.2 },
   circle: { shape: 'circle', radius_m: 1.5 },
   eight: { shape: 'eight', c_m: 1, radius_m: 0.8 },
+  slalom: { shape: 'slalom', spacing_m: 2 },
   free: { shape: 'free' },
 } as const satisfies { [S in Exercise['shape']]: Extract<Exercise, { shape: S }> };

@@ -343,6 +343,12 @@ export type Exercise = {
   radius_m: number;
   shape: 'eight';
 } | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  shape: 'slalom';
+  /** Between its four poles; the line passes them at 0.29 of it. */
+  spacing_m: number;
+} | {
   shape: 'free';
 };
 
@@ -493,6 +499,15 @@ export type GuidedPath = {
   /** Of the loops. */
   radius_m: number;
   shape: 'eight';
+  /** Slower in curves that need it. */
+  speed_m_s: number;
+} | {
+  /** Left and right exchanged. */
+  clockwise?: boolean | null;
+  laps?: number | null;
+  shape: 'slalom';
+  /** Between its four poles; the line passes them at 0.29 of it. */
+  spacing_m: number;
   /** Slower in curves that need it. */
   speed_m_s: number;
 };

@@ -1,5 +1,6 @@
 // Shapes on the floor: the planned figures as points, and the frame that shows everything. Same figures as the hoist's own
-// (square counter-clockwise from its lower left corner; eight from the crossing, right circle first; straight along x).
+// (square counter-clockwise from its lower left corner; eight from the crossing, right circle first; all others from the origin along x, to the
+// left).
 import type { Exercise } from '../contract/rest.gen';
 
 export interface Point {
@@ -8,6 +9,11 @@ export interface Point {
 }
 
 const arcSteps = 48;
+/** A slalom goes round so many poles and crosses their line at this angle (control/contract/reference_path.hpp). */
+const poles = 4;
+const swing = Math.PI / 3;
+/** Radius of its curves, as a share of the spacing. */
+export const slalomCurve = 1 / (2 * Math.sin(swing));
 
 export function patternPoints(exercise: Exercise): Point[] {
   const points = leftHanded(exercise);
@@ -49,6 +55,21 @@ function leftHanded(exercise: Exercise): Point[] {
     }
     case 'circle':
       return arc(0, exercise.radius_m, exercise.radius_m, -Math.PI / 2, 2 * Math.PI);
+    case 'slalom': {
+      const { spacing_m } = exercise;
+      const radius = slalomCurve * spacing_m;
+      // Over the first pole, under the second … : the centres lie on two lines that are a radius apart.
+      const round = Array.from({ length: poles }, (_, i) =>
+        i % 2 === 0
+          ? arc((i + 1) * spacing_m, 0, radius, Math.PI / 2 + swing, -2 * swing)
+          : arc((i + 1) * spacing_m, radius, radius, -Math.PI / 2 - swing, 2 * swing),
+      );
+      return [
+        ...arc(0, radius, radius, -Math.PI / 2, swing),
+        ...round.flat(),
+        ...arc((poles + 1) * spacing_m, 0, radius, Math.PI / 2 + swing, -swing),
+      ];
+    }
     case 'straight':
       return [
         { x: 0, y: 0 },

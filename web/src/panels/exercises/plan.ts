@@ -1,7 +1,7 @@
 // A clinical task as it is to be done: its sizes and numbers, who leads, and what follows: the line, the request to the hoist, floor and time.
 import { exercises } from '../../contract/exercises.gen';
 import type { Exercise, GuidedPath, Task, TaskRange, TaskRequest, TaskState } from '../../contract/rest.gen';
-import { patternPoints } from '../../ui/geometry';
+import { patternPoints, slalomCurve } from '../../ui/geometry';
 
 export type Lead = Task['leads'][number];
 
@@ -106,7 +106,7 @@ const yawShare = 0.8;
 function curveRadius_m(exercise: Exercise): number {
   if (exercise.shape === 'straight' || exercise.shape === 'free') return 0;
   if (exercise.shape === 'square') return exercise.corner_radius_m ?? 0;
-  return exercise.radius_m;
+  return exercise.shape === 'slalom' ? slalomCurve * exercise.spacing_m : exercise.radius_m;
 }
 
 /** The speed in the tightest curve, when it is below the chosen one; null when no curve slows the hoist. */
@@ -123,7 +123,7 @@ export function duration_s(plan: Plan, yawLimit_rad_s: number): number {
   const { line } = plan.task;
   const exercise = exerciseOf(plan);
   const curve = curveSpeed_m_s(plan, yawLimit_rad_s);
-  const curved = line === 'circle' || line === 'eight';
+  const curved = line === 'circle' || line === 'eight' || line === 'slalom';
   const speed = curved ? (curve ?? plan.speed_m_s) : plan.speed_m_s;
   const corners = exercise.shape === 'square' && (exercise.corner_radius_m ?? 0) === 0 ? 4 * laps(plan) : 0;
   const corner_s = yawLimit_rad_s > 0 ? Math.PI / 2 / (yawShare * yawLimit_rad_s) + 3 : 0;
