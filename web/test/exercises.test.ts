@@ -21,7 +21,7 @@ import { exercises, usualExercise } from '../src/contract/exercises.gen';
 import { modes } from '../src/contract/faults.gen';
 import type { Task, TaskState } from '../src/contract/rest.gen';
 import { moving } from '../src/link/store';
-import { floorSpace, patternPoints } from '../src/ui/geometry';
+import { floorSpace, patternPoints, polesOf } from '../src/ui/geometry';
 import { tooSlow } from '../src/link/readiness';
 import { phaseOf } from '../src/ui/task_strip';
 
@@ -36,6 +36,18 @@ const at = (task: Task, end: 'least' | 'most'): Plan => ({
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 
 describe('lines', () => {
+  it('pass each pole of a slalom at half of their curve, on alternate sides', () => {
+    for (const clockwise of [false, true]) {
+      const slalom = { shape: 'slalom', spacing_m: 2, clockwise } as const;
+      const line = patternPoints(slalom);
+      const sides = polesOf(slalom).map((pole) => {
+        const nearest = line.reduce((a, b) => (Math.hypot(a.x - pole.x, a.y - pole.y) < Math.hypot(b.x - pole.x, b.y - pole.y) ? a : b));
+        expect(Math.hypot(nearest.x - pole.x, nearest.y - pole.y)).toBeCloseTo(2 * 0.57735 * 0.5, 3);
+        return Math.sign(nearest.y - pole.y);
+      });
+      expect(sides).toEqual(clockwise ? [-1, 1, -1, 1] : [1, -1, 1, -1]);
+    }
+  });
   it('are drawn as long as the hoist walks them', () => {
     for (const { shape, usual_length_m } of exercises) {
       const points = patternPoints(usualExercise[shape]);

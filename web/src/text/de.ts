@@ -377,6 +377,8 @@ export const de: Table = {
   'guided.more': '{what}: mehr',
   'guided.needs': 'Braucht {along} × {across} m freien Boden.',
   'guided.takes': '{length} m, etwa {time} min.',
+  'guided.polesLeft': 'Stangen: die erste {ahead} m vor dem Start und {aside} m links davon, die anderen je {ahead} m weiter.',
+  'guided.polesRight': 'Stangen: die erste {ahead} m vor dem Start und {aside} m rechts davon, die anderen je {ahead} m weiter.',
   'guided.slower': 'In Kurven {speed} m/s.',
   'guided.progress': 'Wie viel der Übung geschafft ist',
   'guided.remaining': 'Verbleibend',

@@ -378,6 +378,8 @@ export const en = {
   'guided.more': '{what}: more',
   'guided.needs': 'Needs {along} × {across} m of free floor.',
   'guided.takes': '{length} m, about {time} min.',
+  'guided.polesLeft': 'Poles: the first {ahead} m ahead of the start and {aside} m to its left, the others each {ahead} m further.',
+  'guided.polesRight': 'Poles: the first {ahead} m ahead of the start and {aside} m to its right, the others each {ahead} m further.',
   'guided.slower': 'In curves {speed} m/s.',
   'guided.progress': 'How much of the exercise is done',
   'guided.remaining': 'Remaining',

@@ -5,7 +5,7 @@ import { live, useFrame } from '../link/live';
 import { useTopic } from '../link/wants';
 import type { Exercise } from '../contract/rest.gen';
 import { fixed, t } from '../text/text';
-import { fit, onScreen, patternPoints, type Frame, type Point } from './geometry';
+import { fit, onScreen, patternPoints, polesOf, type Frame, type Point } from './geometry';
 import './floor_view.css';
 
 /** Reads the colours of the style sheet, so that light and dark are decided in one place. */
@@ -36,6 +36,7 @@ export function prepare(canvas: HTMLCanvasElement): CanvasRenderingContext2D | n
 
 export interface FloorDrawing {
   pattern: readonly Point[];
+  poles: readonly Point[];
   x: ArrayLike<number>;
   y: ArrayLike<number>;
   pose: { x_m: number; y_m: number; psi_rad: number } | null;
@@ -100,6 +101,13 @@ export function drawFloor(canvas: HTMLCanvasElement, drawing: FloorDrawing, fram
     );
     ctx.setLineDash([]);
   }
+  ctx.fillStyle = colour.soft;
+  for (const { x, y } of drawing.poles) {
+    const { left, top } = place(x, y);
+    ctx.beginPath();
+    ctx.arc(left, top, Math.max(4, 0.06 * frame.pixels_per_m), 0, 2 * Math.PI);
+    ctx.fill();
+  }
   ctx.strokeStyle = colour.accent;
   ctx.lineWidth = 3;
   line(drawing.x, drawing.y);
@@ -140,6 +148,7 @@ function startOf(points: readonly Point[]): FloorDrawing['pose'] {
 export function FloorView({ exercise, planned = false }: { exercise: Exercise; planned?: boolean }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const pattern = useMemo(() => patternPoints(exercise), [exercise]);
+  const poles = useMemo(() => polesOf(exercise), [exercise]);
   const drawn = useRef({ what: '', at_ms: -Infinity });
   useTopic('pose', 20);
   useFrame((now_ms) => {
@@ -159,7 +168,7 @@ export function FloorView({ exercise, planned = false }: { exercise: Exercise; p
     for (let i = 0; i < x.length; i += 10) bounds.push({ x: x[i]!, y: y[i]! });
     if (pose !== null) bounds.push({ x: pose.x_m, y: pose.y_m });
     const frame = fit(bounds, canvas.current.clientWidth, canvas.current.clientHeight);
-    drawFloor(canvas.current, { pattern, x, y, pose }, frame);
+    drawFloor(canvas.current, { pattern, poles, x, y, pose }, frame);
   });
   return <canvas ref={canvas} class="floor" role="img" aria-label={t('floor.label')} />;
 }

@@ -16,9 +16,21 @@ const swing = Math.PI / 3;
 export const slalomCurve = 1 / (2 * Math.sin(swing));
 
 export function patternPoints(exercise: Exercise): Point[] {
-  const points = leftHanded(exercise);
-  return 'clockwise' in exercise && exercise.clockwise === true ? points.map(({ x, y }) => ({ x, y: -y })) : points;
+  return turned(exercise, leftHanded(exercise));
 }
+
+/** What stands on the floor and is walked round. */
+export function polesOf(exercise: Exercise): Point[] {
+  if (exercise.shape !== 'slalom') return [];
+  const { spacing_m } = exercise;
+  return turned(
+    exercise,
+    Array.from({ length: poles }, (_, i) => ({ x: (i + 1) * spacing_m, y: (slalomCurve * spacing_m) / 2 })),
+  );
+}
+
+const turned = (exercise: Exercise, points: Point[]): Point[] =>
+  'clockwise' in exercise && exercise.clockwise === true ? points.map(({ x, y }) => ({ x, y: -y })) : points;
 
 /** Points of an arc about a centre, from one angle over another. */
 function arc(centre_x: number, centre_y: number, radius: number, from: number, over: number): Point[] {

@@ -16,7 +16,7 @@ import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
 import { FloorView } from '../../ui/floor_view';
-import { floorSpace } from '../../ui/geometry';
+import { floorSpace, polesOf } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
@@ -194,12 +194,17 @@ function Led() {
 /** Floor and time that the line takes. */
 function Needs({ plan, yawLimit_rad_s }: { plan: Plan; yawLimit_rad_s: number }) {
   if (plan.task.line === null) return <p class="guided-needs">{t('task.noLine')}</p>;
-  const space = floorSpace(exerciseOf(plan));
+  const exercise = exerciseOf(plan);
+  const space = floorSpace(exercise);
+  const [pole] = polesOf(exercise);
   const curve = plan.lead === 'guided' ? curveSpeed_m_s(plan, yawLimit_rad_s) : null;
   return (
     <p class="guided-needs">
       <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
       {plan.lead === 'guided' ? t('guided.takes', { length: fixed(length_m(plan), 1), time: duration(duration_s(plan, yawLimit_rad_s)) }) : null}
+      {pole === undefined
+        ? ''
+        : ` ${t(pole.y > 0 ? 'guided.polesLeft' : 'guided.polesRight', { ahead: fixed(pole.x, 2), aside: fixed(Math.abs(pole.y), 2) })}`}
       {curve === null ? '' : ` ${t('guided.slower', { speed: fixed(curve, 2) })}`}
     </p>
   );

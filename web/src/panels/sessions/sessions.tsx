@@ -11,7 +11,7 @@ import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { exerciseTitle } from '../../text/exercise';
 import { date, degrees, duration, fixed, t, words } from '../../text/text';
-import { fit, patternPoints, type Point } from '../../ui/geometry';
+import { fit, patternPoints, polesOf, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
 import { useTaskTitles } from '../../ui/task_titles';
@@ -461,9 +461,10 @@ function PathPicture({ samples, exercise }: { samples: Samples | null; exercise:
     const draw = () => {
       if (canvas.current === null) return;
       const pattern = exercise === null ? [] : patternPoints(exercise);
+      const poles = exercise === null ? [] : polesOf(exercise);
       const { x, y } = samples === null ? { x: [], y: [] } : pathOf(samples);
       const points: Point[] = [...pattern, ...x.map((value, i) => ({ x: value, y: y[i]! }))];
-      drawFloor(canvas.current, { pattern, x, y, pose: null }, fit(points, canvas.current.clientWidth, canvas.current.clientHeight));
+      drawFloor(canvas.current, { pattern, poles, x, y, pose: null }, fit(points, canvas.current.clientWidth, canvas.current.clientHeight));
     };
     draw();
     const watch = new ResizeObserver(draw);
