@@ -52,7 +52,7 @@ export const exercises: readonly ExerciseInfo[] = [
   {
     shape: 'slalom', title: { en: 'Slalom', de: 'Slalom' }, turned: true, closed: false, usual_length_m: 12.092,
     sizes: [
-      { name: 'spacing_m', title: { en: 'Pole spacing', de: 'Stangenabstand' }, required: true, usual_m: 2, driven_least_m: 1, driven_most_m: 10, share: 0 },],
+      { name: 'spacing_m', title: { en: 'Pole spacing', de: 'Abstand' }, required: true, usual_m: 2, driven_least_m: 1.75, driven_most_m: 10, share: 0 },],
   },
   {
     shape: 'free', title: { en: 'Free', de: 'Frei' }, turned: false, closed: false, usual_length_m: 0,
