@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "control/contract/calibration.hpp"
+#include "tests/chaos/dice.hpp"
 #include "tests/support/closed_loop.hpp"
 
 namespace hoist::tests {
@@ -100,6 +101,21 @@ TEST(Runaway, H1TheTrueMachineStandsInEveryMode) {
   // These figures are in HARDWARE.md and DECISIONS.md.
   EXPECT_LT(longest_m, 0.40);
   EXPECT_LT(widest_rad, 55.0 * sim::kDegree_rad);
+}
+
+// A fifth of all frames comes 30 ms late: positions out of order make one speed in three wrong, also in its sign.
+TEST(Runaway, H1TheRelayOpensAlsoOnABusThatDelays) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    ClosedLoop loop({});
+    ASSERT_TRUE(enter(loop, Mode::standby));
+    chaos::Dice dice(seed, 1);
+    loop.world().set_frame_fault([&dice](std::size_t, const contract::CanFrame&, std::uint64_t) {
+      return dice.chance(0.2) ? bus::BusFault{bus::BusFault::Kind::delay, 30'000'000} : bus::BusFault{};
+    });
+    loop.world().plant().short_bridge(Side::left, 0.33);
+    EXPECT_TRUE(loop.run_until([&] { return !loop.world().relay_closed(); }, 2.0));
+  }
 }
 
 TEST(Runaway, H1WithoutTheReleaseTheMissingFeedOpensTheRelay) {

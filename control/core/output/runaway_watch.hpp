@@ -2,12 +2,13 @@
 //
 // Watched in every mode that is not meant to move (what moves differently than commanded in the others is stopped first, by
 // monitor/overspeed.hpp). Any of three things for kStop_s:
-//   driven     a motor turns its wheel although nothing asks for it (estimate/driven_wheel.hpp)
+//   driven     a motor turns its wheel although nothing asks for it (estimate/driven_wheel.hpp), in so many more steps than it does not
 //   unslowed   before the first standstill of a PROTECTIVE_STOP a wheel is off its ramp and does not slow down
 //   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
 // The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
 // failed; and a shorted bridge whose current no sensor sees, on a hoist that stood, is not told from such a push.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -33,7 +34,8 @@ class RunawayWatch {
     const Odometry& wheels = sensed.odometry;
     const bool driven = motor_drives(sensed.left_drive, wheels.wheel_left_m_s, left_m_s_) ||
                         motor_drives(sensed.right_drive, wheels.wheel_right_m_s, right_m_s_);
-    driven_s_ = driven ? driven_s_ + dt_s : 0;
+    // A step that says otherwise counts against, and does not begin anew: a position that comes late makes the next speeds wrong.
+    driven_s_ = std::max(0.0, driven_s_ + (driven ? dt_s : -dt_s));
     bool goes_on = false;
     if (mode == contract::Mode::protective_stop && !stood(sensed)) {
       const bool left_known = !sensed.left_drive.fresh().lost(), right_known = !sensed.right_drive.fresh().lost();

@@ -273,20 +273,21 @@ void Deadlines::take_frames(const Truth& truth) {
   follow_s_ = follow ? follow_s_ + kStep_s : 0;
 }
 
-// A wheel that a shorted bridge turns while nothing may move. The core sees it in the drive's own words and feeds the relay through the input
-// node, so when one of them cannot be heard there is the time of the relay's circuit besides: a second without feed, then the brake. Without
-// supply it is the brake's, unless a body pulls harder.
+// A wheel that a shorted bridge turns while nothing may move, and no body. The core sees it in the drive's own words, so what a silent drive's
+// bridge does on a hoist that stands is not seen (README.md). Without a bus or an input node, which feeds the relay, its circuit opens it a second
+// after the last feed, and the brake does the rest.
 void Deadlines::take_runaway(const Truth& truth) {
   constexpr double kRelayAlone_s = 1.6;
+  const bool unfed = !ears_.bus_up() || silent(Node::io);
   for (const Node drive : {Node::drive_left, Node::drive_right}) {
     const std::size_t side = drive == Node::drive_left ? 0 : 1;
     const bool away = !moves(mode_) && board_.now(Kind::bridge_shorted, drive) && std::fabs(truth.wheel_m_s[side]) > 0.05;
     if (!away) {
       away_s_[side] = 0;
-      unheard_left_s_[side] = kRelayAlone_s;
-    } else if ((silent(drive) || silent(Node::io)) && unheard_left_s_[side] > 0) {
-      unheard_left_s_[side] -= kStep_s;
-    } else if (world_.plant().supply_v() > 1.0 || !dragged(truth)) {
+      unfed_left_s_[side] = kRelayAlone_s;
+    } else if (unfed && unfed_left_s_[side] > 0) {
+      unfed_left_s_[side] -= kStep_s;
+    } else if (!dragged(truth) && (unfed || !silent(drive))) {
       away_s_[side] += kStep_s;
     }
   }

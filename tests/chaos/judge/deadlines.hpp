@@ -145,8 +145,8 @@ class Deadlines {
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};
   enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, kBarCount };
-  std::array<double, kBarCount> barred_s_{};           // how long each has barred a start
-  std::array<double, 2> away_s_{}, unheard_left_s_{};  // a wheel that runs away behind a shorted bridge
+  std::array<double, kBarCount> barred_s_{};         // how long each has barred a start
+  std::array<double, 2> away_s_{}, unfed_left_s_{};  // a wheel that runs away behind a shorted bridge
   contract::Mode mode_{contract::Mode::init};
   Rule due_ = Rule::count;
 
