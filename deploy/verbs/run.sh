@@ -5,18 +5,20 @@
 # The server prints the console's address (with a one-time token) when it is ready. A program that dies is started again.
 # options: --port PORT       the console's port (default 8080)
 #          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "figure-eight")
+#          --patient NAME    who walks in the simulator (the same list; default a patient of an even walk)
 #          --state DIR       sockets and the simulated bus (default: a folder of this user and port under $XDG_RUNTIME_DIR or /tmp)
 #          --data DIR        parameters and the database (default build/run-data)
 #          --real-time       by the wall clock, over a pseudo terminal that speaks SLCAN: late frames stop the hoist as on a real one
 #          --no-setup        leave the machine as it is
 port=8080
 scenario=figure-eight
+patient=
 state=
 data=build/run-data
 real_time=
 while [ $# -gt 0 ]; do
   case $1 in
-    --port | --scenario | --state | --data)
+    --port | --scenario | --patient | --state | --data)
       [ -n "${2:-}" ] || die "$1 needs a value"
       printf -v "${1#--}" '%s' "$2"
       shift
@@ -28,6 +30,7 @@ while [ $# -gt 0 ]; do
 done
 if [[ ! $port =~ ^[0-9]{1,5}$ ]] || [ "$port" -lt 1 ] || [ "$port" -gt 65535 ]; then die "--port is a number from 1 to 65535, not '$port'"; fi
 [[ $scenario =~ ^[A-Za-z0-9_-]+$ ]] || die "--scenario is a name of letters, digits, - and _, not '$scenario'"
+[[ $patient =~ ^[A-Za-z0-9_-]*$ ]] || die "--patient is a name of letters, digits, - and _, not '$patient'"
 
 setup_and_build build -- hoist-sim hoist-control hoist-server
 build_web
@@ -91,7 +94,7 @@ else
   sim_line=(--lock-step "$line")
   control_line=(--bus "sim:$line")
 fi
-start hoist-sim build/bin/hoist-sim --scenario "$scenario" "${sim_line[@]}" --control "$state/sim.sock"
+start hoist-sim build/bin/hoist-sim --scenario "$scenario" ${patient:+--patient "$patient"} "${sim_line[@]}" --control "$state/sim.sock"
 await_path "$line"
 start hoist-control build/bin/hoist-control "${control_line[@]}" --socket "$state/core.sock" --params "$data/parameters.json"
 await_path "$state/core.sock"

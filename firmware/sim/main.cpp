@@ -23,6 +23,7 @@
 #include "control/contract/program_version.hpp"
 #include "firmware/sim/hidden_errors.hpp"
 #include "firmware/sim/lock_step.hpp"
+#include "firmware/sim/patient_family.hpp"
 #include "firmware/sim/pokeys_device.hpp"
 #include "firmware/sim/request_socket.hpp"
 #include "firmware/sim/requests.hpp"
@@ -69,18 +70,19 @@ void print_usage() {
       "hoist-sim: a simulated hoist with a walking patient, on a pseudo terminal that speaks SLCAN like the real gateway, or on a CAN\n"
       "interface.\n"
       "  --scenario NAME     what the patient does (default figure-eight; --list names them)\n"
-      "  --list              the scenarios, one a line\n"
+      "  --patient NAME      who walks: a patient with the gait of an illness (--list names them); without, an even walk\n"
+      "  --list              the scenarios and the patients, one a line\n"
       "  --lock-step PATH    step together with hoist-control --bus sim:PATH, no faster than real time: a busy computer slows the\n"
       "                      simulated time and stops no walk\n"
       "  --pty-link PATH     put a symbolic link to the pseudo terminal there\n"
       "  --bus ADDRESS       the simulated nodes on a CAN interface, socketcan:NAME, instead of the pseudo terminal\n"
       "  --pokeys-udp PORT   bumpers and batteries from a PoKeys57E at 127.0.0.1:PORT instead of the input node on the bus\n"
       "  --control PATH      answer requests (JSON lines) at this Unix socket; {\"op\":\"help\"} lists them\n"
-      "  --seed N            seed of the sensors' noise (default 1)\n"
+      "  --seed N            seed of the sensors' noise and of the patient's uneven gait (default 1)\n"
       "  --speed WISH_M_S    speed the patient likes to walk, 0.05 to 0.8 (default 0.30)\n"
       "  --patient-mass KG   30 to 150 (default 75)\n"
       "  --machine-seed N    another machine: its lengths, its sensors' mounting and its wheels stray from the design, for calibration\n"
-      "  --patient-seed N    another patient: all parameters drawn from their usual ranges\n"
+      "  --patient-seed N    another patient of an even walk: all parameters drawn from their usual ranges\n"
       "  --virtual SECONDS   run the world alone as fast as possible, say how fast, and end\n"
       "  --version           which source this program was built from");
 }
@@ -106,6 +108,8 @@ std::optional<std::uint64_t> whole(std::string_view text) {
 Options read_options(int argc, char** argv) {
   Options options;
   std::optional<double> wish_m_s, mass_kg;
+  const FamilyMember* member = nullptr;
+  std::optional<std::uint64_t> patient_seed;
   for (int i = 1; i < argc; ++i) {
     const std::string_view name = argv[i];
     if (name == "--help" || name == "-h") {
@@ -120,11 +124,15 @@ Options read_options(int argc, char** argv) {
       for (const Scenario& scenario : kScenarios)
         std::printf("%-14.*s %.*s\n", static_cast<int>(scenario.name.size()), scenario.name.data(), static_cast<int>(scenario.title.size()),
                     scenario.title.data());
+      std::puts("patients, for --patient:");
+      for (const FamilyMember& one : kPatientFamily)
+        std::printf("%-14.*s %.*s\n", static_cast<int>(one.name.size()), one.name.data(), static_cast<int>(one.title.size()),
+                    one.title.data());
       std::exit(0);
     }
-    constexpr std::array<std::string_view, 12> kNames{"--scenario", "--pty-link",     "--pokeys-udp",   "--bus",
-                                                      "--control",  "--seed",         "--speed",        "--patient-mass",
-                                                      "--virtual",  "--patient-seed", "--machine-seed", "--lock-step"};
+    constexpr std::array<std::string_view, 13> kNames{"--scenario",  "--pty-link",     "--pokeys-udp",  "--bus",          "--control",
+                                                      "--seed",      "--speed",        "--patient",     "--patient-mass", "--virtual",
+                                                      "--lock-step", "--patient-seed", "--machine-seed"};
     bool known = false;
     for (const std::string_view one : kNames) known = known || one == name;
     if (!known) refuse("unknown option '" + std::string(name) + "'; --help lists them");
@@ -153,6 +161,9 @@ Options read_options(int argc, char** argv) {
     } else if (name == "--speed") {
       wish_m_s = number(value, 0.05, 0.8);
       if (!wish_m_s) refuse("--speed: 0.05 to 0.8 m/s");
+    } else if (name == "--patient") {
+      member = find_patient(value);
+      if (member == nullptr) refuse("--patient: no '" + std::string(value) + "'; --list names them");
     } else if (name == "--patient-mass") {
       mass_kg = number(value, 30.0, 150.0);
       if (!mass_kg) refuse("--patient-mass: 30 to 150 kg");
@@ -163,13 +174,17 @@ Options read_options(int argc, char** argv) {
     } else if (name == "--patient-seed") {
       const auto seed = whole(value);
       if (!seed) refuse("--patient-seed: a whole number from 0");
-      options.world.patient = PatientParams::random(*seed);
+      patient_seed = *seed;
     } else {
       const auto seconds = number(value, 0.001, 1e7);
       if (!seconds) refuse("--virtual: 0.001 to 10000000 s");
       options.virtual_s = *seconds;
     }
   }
+  if (member != nullptr && patient_seed) refuse("--patient and --patient-seed: one of them");
+  if (patient_seed) options.world.patient = PatientParams::random(*patient_seed);
+  if (member != nullptr) options.world.patient = member->params;
+  options.world.patient.variation.seed = options.world.seed;
   if (wish_m_s) options.world.patient.wish_m_s = *wish_m_s;
   if (mass_kg) options.world.patient.mass_kg = *mass_kg;
   if (!options.bus.empty() && !options.link.empty()) refuse("--bus and --pty-link: one of them");

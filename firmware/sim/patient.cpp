@@ -34,6 +34,8 @@ constexpr double kLimp_rad = kPi / 4.0;
 /// Pendulum of 1 m for the stumble (SOURCES 2.1) and the most that a body hanging over pushes.
 constexpr double kPendulum_m = 1.0;
 constexpr double kFallPush_m_s2 = 2.5;
+constexpr double kFootBehind_m = 0.05;
+constexpr double kAside_norm = 1e-6;  // less is forward or backward
 /// Legs give way within this time; then the weight pulls forward.
 constexpr double kCollapse_s = 0.4;
 constexpr double kCollapsePush_m_s2 = 2.0;
@@ -42,6 +44,7 @@ constexpr double kCentre_rad_s = 6.28;
 /// How hard the patient resists an uncomfortable lean.
 constexpr double kComfort_n_m = 1200.0;
 constexpr double kArrivalRoll_s = 0.9;
+constexpr double kHastened_m_s = 0.08;  // festination: faster than wished (assumed)
 constexpr double kStoppingLead_m_s = 0.25;
 /// Bends are taken at a pace that needs no more than this turn rate (16 deg/s, half of what a full turn of the pelvis gives), never slower
 /// than a stroll.
@@ -112,18 +115,22 @@ std::string_view patient_state_name(PatientState state) {
 }
 
 Patient::Patient(const PatientParams& params, const Scenario& scenario)
-    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)) {
+    : params_(params), scenario_(&scenario), path_(scenario_path(scenario)), uneven_(params.variation) {
   adapt(kUsualAnswer_per_s2);
 }
 
 void Patient::restart(const Scenario& scenario) { *this = Patient(params_, scenario); }
 
-void Patient::fall(PatientState how) {
-  if (fallen()) return;
+void Patient::fall(PatientState how, double toward_rad) {
+  if (fallen() || !std::isfinite(toward_rad)) return;
   state_ = how;
   state_s_ = 0.0;
   still_s_ = 0.0;
-  foot_ahead_m_ = 0.05;  // the trailing foot is already a little behind when it catches
+  fall_forward_norm_ = std::cos(toward_rad);
+  fall_left_norm_ = std::fabs(std::sin(toward_rad)) > kAside_norm ? std::sin(toward_rad) : 0.0;
+  // The trailing foot is already a little behind when it catches.
+  foot_ahead_m_ = kFootBehind_m * fall_forward_norm_;
+  foot_left_m_ = kFootBehind_m * fall_left_norm_;
 }
 
 // How much the hoist opposes the patient's lead; 0 for not at all.
@@ -170,13 +177,14 @@ void Patient::adapt(double answer_per_s2) {
 void Patient::evaluate_leading(const PlatformMotion& now) {
   feel_answer(now);
   ignored_s_ = x_m_ > kIgnoredLean_m && now.speed_m_s < kStill_m_s ? ignored_s_ + kThought_s : 0.0;
-  const double opposed = opposed_by(now);
+  // Who stops by itself does not blame the hoist for rolling out.
+  const double opposed = uneven_.frozen() || uneven_.resting() ? 0.0 : opposed_by(now);
   opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
   distrusts_ = ignored_s_ > kIgnoredTime_s;
   if (distrusts_ || opposed_s_ > params_.yields_after_s) {
     enter(PatientState::following);
   } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
-    fall(PatientState::tripping);
+    trip();
   }
 }
 
@@ -299,6 +307,7 @@ void Patient::turn_along(const PlatformMotion& felt) {
 
 void Patient::think(const PatientSenses& senses) {
   decide(senses);
+  uneven_.decide_10ms(senses.platform.speed_m_s > kRolling_m_s, state_ == PatientState::leading && !arrived_);
   memories_[memory_at_] = {senses.platform, senses.springs.forward_n};
   const auto back =
       static_cast<std::size_t>(std::clamp(std::lround(params_.reaction_s / kThought_s), 0L, static_cast<long>(kMemories) - 1));
@@ -313,11 +322,12 @@ void Patient::think(const PatientSenses& senses) {
   switch (state_) {
     case PatientState::leading: {
       steer(felt.platform);
-      const double wish_m_s = arrived_ ? 0.0 : pace_m_s_;
-      const double least_m_s = felt.platform.speed_m_s - (arrived_ ? kStoppingLead_m_s : params_.speed_lead_m_s);
+      const bool stops = arrived_ || uneven_.resting();
+      const double wish_m_s = stops ? 0.0 : pace_m_s_ + (uneven_.festinating() ? kHastened_m_s : 0.0);
+      const double least_m_s = felt.platform.speed_m_s - (stops ? kStoppingLead_m_s : params_.speed_lead_m_s);
       push_goal_m_s_ = std::clamp(wish_m_s, least_m_s, felt.platform.speed_m_s + params_.speed_lead_m_s);
       // To stop, the patient lets the springs push the body back past upright, which brakes the hoist.
-      compensation_n_ = arrived_ ? 0.0 : params_.compensation_norm * felt.spring_n;
+      compensation_n_ = stops ? 0.0 : params_.compensation_norm * felt.spring_n;
       gait_goal_norm_ = pace_norm;
       break;
     }
@@ -332,19 +342,23 @@ void Patient::think(const PatientSenses& senses) {
     default:
       break;
   }
+  if (frozen()) {
+    // Feet on the spot: the legs hold the body where it is on the floor, whatever the hoist does.
+    push_goal_m_s_ = compensation_n_ = yaw_goal_rad_ = gait_goal_norm_ = 0.0;
+  }
   if (holds_turn_) yaw_goal_rad_ = held_turn_rad_;
 }
 
 double Patient::fall_push_n(const PlatformMotion& platform) {
   switch (state_) {
     case PatientState::tripping: {
-      // The foot is caught; the pelvis falls over it like an inverted pendulum, until the harness holds.
-      foot_ahead_m_ += (platform.speed_m_s + x_rate_m_s_) * kStep_s;
+      // The foot is caught; the pelvis falls over it like an inverted pendulum, until the harness holds. A foot that has slipped goes along.
+      foot_ahead_m_ += (std::max(fall_forward_norm_, 0.0) * platform.speed_m_s + x_rate_m_s_) * kStep_s;
       const double lean_m_s2 = kGravity_m_s2 / kPendulum_m * foot_ahead_m_;
       return params_.mass_kg * std::clamp(lean_m_s2, -kFallPush_m_s2, kFallPush_m_s2);
     }
     case PatientState::collapsing:
-      return params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
+      return fall_forward_norm_ * params_.mass_kg * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
     case PatientState::hanging: {
       // Weight in the harness; what movement is left is damped by dragging feet.
       const double wanted_m_s2 = 9.0 * (hang_m_ - x_m_) - 6.0 * x_rate_m_s_;
@@ -353,6 +367,13 @@ double Patient::fall_push_n(const PlatformMotion& platform) {
     default:
       return 0.0;
   }
+}
+
+// Sideways, as fall_push_n: what pushes the pelvis, for each kilogram.
+double Patient::fall_aside_m_s2() {
+  if (state_ == PatientState::collapsing) return fall_left_norm_ * kCollapsePush_m_s2 * std::min(1.0, state_s_ / kCollapse_s);
+  foot_left_m_ += y_rate_m_s_ * kStep_s;
+  return std::clamp(kGravity_m_s2 / kPendulum_m * foot_left_m_, -kFallPush_m_s2, kFallPush_m_s2);
 }
 
 void Patient::step_1ms(const PatientSenses& senses) {
@@ -375,8 +396,10 @@ void Patient::step_1ms(const PatientSenses& senses) {
   }
   x_rate_m_s_ += ((legs_n - senses.springs.forward_n) / params_.mass_kg - senses.platform.acceleration_m_s2) * kStep_s;
   x_m_ += x_rate_m_s_ * kStep_s;
-  // Sideways: the legs keep the body in the middle.
-  const double aside_m_s2 = -kCentre_rad_s * (kCentre_rad_s * y_m_ + 1.6 * y_rate_m_s_) - senses.springs.left_n / params_.mass_kg;
+  // Sideways: the legs keep the body in the middle, or where this patient leans, as long as they carry it.
+  const double legs_aside_m_s2 =
+      falls_aside() ? fall_aside_m_s2() : -kCentre_rad_s * (kCentre_rad_s * (y_m_ - params_.lean_left_m) + 1.6 * y_rate_m_s_);
+  const double aside_m_s2 = legs_aside_m_s2 - senses.springs.left_n / params_.mass_kg;
   y_rate_m_s_ += aside_m_s2 * kStep_s;
   y_m_ += y_rate_m_s_ * kStep_s;
   // Pelvis: two equal lags that together take yaw_lag_s.
@@ -388,8 +411,10 @@ void Patient::step_1ms(const PatientSenses& senses) {
   // Gait on top. Lateral and yaw swing once a stride, forward twice (anatomy: SOURCES 3).
   gait_norm_ += (gait_goal_norm_ - gait_norm_) * (kStep_s / kGaitLag_s);
   HarnessMotion next{x_m_, y_m_, yaw_rad_, x_rate_m_s_, y_rate_m_s_, yaw_rate_rad_s_};
+  uneven_.step_1ms(gait_norm_, phase_rad_, !fallen());
   if (gait_norm_ > 1e-4) {
-    const double rate_rad_s = 2.0 * kPi * (params_.stride_hz + params_.stride_hz_per_m_s * std::fabs(senses.platform.speed_m_s));
+    const double rate_rad_s =
+        uneven_.tempo_norm() * 2.0 * kPi * (params_.stride_hz + params_.stride_hz_per_m_s * std::fabs(senses.platform.speed_m_s));
     phase_rad_ += rate_rad_s * kStep_s;
     if (phase_rad_ > 2.0 * kPi) phase_rad_ -= 2.0 * kPi;
     // A held leg: the sway lingers on one side. The rate of the warped phase follows.
@@ -398,16 +423,21 @@ void Patient::step_1ms(const PatientSenses& senses) {
     const double warped_rate_rad_s = limp == 0.0 ? rate_rad_s : rate_rad_s * (1.0 - kLimp_rad * limp * std::sin(phase_rad_));
     const double sine = std::sin(warped_rad);
     const double cosine = std::cos(warped_rad);
-    const double forward_m = params_.sway_forward_m * gait_norm_;
-    const double aside_m = params_.sway_lateral_m * gait_norm_;
-    const double twist_rad = params_.sway_yaw_rad * gait_norm_;
+    const double forward_m = params_.sway_forward_m * gait_norm_ * uneven_.forward().value;
+    const double aside_m = params_.sway_lateral_m * gait_norm_ * uneven_.aside().value;
+    const double twist_rad = params_.sway_yaw_rad * gait_norm_ * uneven_.twist().value;
     next.dx_m += forward_m * 2.0 * sine * cosine;
     next.dx_rate_m_s += forward_m * 2.0 * warped_rate_rad_s * (cosine * cosine - sine * sine);
     next.dy_m += aside_m * cosine;
     next.dy_rate_m_s -= aside_m * warped_rate_rad_s * sine;
     next.yaw_rad += twist_rad * sine;
     next.yaw_rate_rad_s += twist_rad * warped_rate_rad_s * cosine;
+    // Growing and shrinking steps.
+    next.dx_rate_m_s += params_.sway_forward_m * gait_norm_ * uneven_.forward().rate * 2.0 * sine * cosine;
+    next.dy_rate_m_s += params_.sway_lateral_m * gait_norm_ * uneven_.aside().rate * cosine;
+    next.yaw_rate_rad_s += params_.sway_yaw_rad * gait_norm_ * uneven_.twist().rate * sine;
   }
+  uneven_.add_to(next, params_.sway_forward_m, params_.sway_lateral_m, params_.sway_yaw_rad);
   harness_ = next;
 }
 

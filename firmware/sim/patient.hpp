@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "control/contract/reference_path.hpp"
+#include "firmware/sim/gait_variation.hpp"
 #include "firmware/sim/model.hpp"
 #include "firmware/sim/random.hpp"
 #include "firmware/sim/scenario.hpp"
@@ -44,6 +45,8 @@ struct PatientParams {
   double trailing_s{0.0};         ///< by how much the pelvis trails behind a turning hoist: hip and harness are not stiff
   // A leg that is held (assumed): one step takes longer than the other, by this share of their mean.
   double limp_norm{0.0};
+  double lean_left_m{0.0};  ///< a one-sided lean: the pelvis is held this far to the left, and the springs push it back a little
+  GaitVariation variation{};
   /// How long this patient opposes a hoist led by another (assumed). A stubborn one never yields, which is harder for the machine, so the
   /// random sessions use those.
   double yields_after_s{1.0};
@@ -73,6 +76,8 @@ class Patient {
 
   [[nodiscard]] const HarnessMotion& harness() const { return harness_; }
   [[nodiscard]] PatientState state() const { return state_; }
+  /// The feet stick to the floor (freezing of gait), while the patient means to walk.
+  [[nodiscard]] bool frozen() const { return !fallen() && uneven_.frozen(); }
   /// Arc length along the line that the patient has come to.
   [[nodiscard]] double progress_m() const { return progress_m_; }
   /// Weight borne by the harness: a large part when the legs give way.
@@ -83,14 +88,16 @@ class Patient {
   [[nodiscard]] const Scenario& scenario() const { return *scenario_; }
   [[nodiscard]] const contract::ReferencePath& path() const { return path_; }
 
-  void trip() { fall(PatientState::tripping); }
-  void collapse() { fall(PatientState::collapsing); }
+  /// Falls stiffly over its feet, toward this side: 0 forward over a caught foot, pi backward and +-pi/2 sideways over a slipped one.
+  void trip(double toward_rad = 0.0) { fall(PatientState::tripping, toward_rad); }
+  /// The legs give way, as in a faint, and the weight pulls toward this side.
+  void collapse(double toward_rad = 0.0) { fall(PatientState::collapsing, toward_rad); }
   /// 0.163 m = 11.5 degrees on a strut of 0.8 m: past 10, short of the stop.
   static constexpr double kHang_m = 0.163;
   /// Hangs in the harness, this far forward of the middle, feet dragging, without a gait.
   void hang(double forward_m = kHang_m) {
     if (std::isfinite(forward_m) && !fallen()) hang_m_ = forward_m;
-    fall(PatientState::hanging);
+    fall(PatientState::hanging, 0.0);
   }
   void set_wish(double wish_m_s) { params_.wish_m_s = wish_m_s; }
   /// Lets a test hold the pelvis turned (rad, left positive) while standing or walking instead of looking at the line.
@@ -118,9 +125,11 @@ class Patient {
   void enter(PatientState state);
   void steer(const PlatformMotion& seen);
   void turn_along(const PlatformMotion& felt);
-  void fall(PatientState how);
+  void fall(PatientState how, double toward_rad);
   [[nodiscard]] double opposed_by(const PlatformMotion& now) const;
   [[nodiscard]] double fall_push_n(const PlatformMotion& platform);
+  [[nodiscard]] double fall_aside_m_s2();
+  [[nodiscard]] bool falls_aside() const { return fallen() && state_ != PatientState::hanging && fall_left_norm_ != 0.0; }
   [[nodiscard]] bool fallen() const { return state_ >= PatientState::tripping; }
 
   PatientParams params_;
@@ -138,6 +147,7 @@ class Patient {
   HarnessMotion harness_;
 
   // Gait.
+  UnevenGait uneven_;
   double phase_rad_{};
   double gait_norm_{};
   double gait_goal_norm_{};
@@ -170,6 +180,8 @@ class Patient {
   double trial_speed_m_s_{};   // fastest since then
   double hang_m_{kHang_m};
   double foot_ahead_m_{};  // of a stumbling patient: pelvis ahead of the foot that stays behind
+  double foot_left_m_{};   // and to the left of it
+  double fall_forward_norm_{1.0}, fall_left_norm_{};
   double held_turn_rad_{};
   bool holds_turn_{false};
 };

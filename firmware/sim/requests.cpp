@@ -1,9 +1,11 @@
 #include "firmware/sim/requests.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 #include <variant>
 
 #include "firmware/sim/pokeys_device.hpp"
@@ -139,12 +141,25 @@ Answer op_bumper(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
-Answer op_fall(World& world, void (Patient::*how)()) {
-  (world.patient().*how)();
+// Toward which side; forward unless it is said.
+Answer op_fall(World& world, const json& request, void (Patient::*how)(double)) {
+  struct Side {
+    std::string_view name;
+    double toward_rad;
+  };
+  constexpr std::array<Side, 4> kSides{Side{"forward", 0.0}, Side{"backward", kPi}, Side{"left", kPi / 2.0}, Side{"right", -kPi / 2.0}};
+  double toward_rad = 0.0;
+  if (request.contains("toward")) {
+    const auto toward = text(request, "toward");
+    const auto* side = std::find_if(kSides.begin(), kSides.end(), [&toward](const Side& row) { return toward && row.name == *toward; });
+    if (side == kSides.end()) return Refused{"toward: forward, backward, left or right"};
+    toward_rad = side->toward_rad;
+  }
+  (world.patient().*how)(toward_rad);
   return kDone;
 }
-Answer op_trip(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::trip); }
-Answer op_collapse(World& world, const ProgramState&, const json&) { return op_fall(world, &Patient::collapse); }
+Answer op_trip(World& world, const ProgramState&, const json& request) { return op_fall(world, request, &Patient::trip); }
+Answer op_collapse(World& world, const ProgramState&, const json& request) { return op_fall(world, request, &Patient::collapse); }
 Answer op_hang(World& world, const ProgramState&, const json&) {
   world.patient().hang();
   return kDone;
@@ -349,8 +364,8 @@ constexpr std::array kOperations{
     Operation{"witness", "what the drives did after their last command, in the world's own time", op_witness},
     Operation{"line", "cut: the serial line is cut in both directions", op_line},
     Operation{"bumper", "which (front, rear, left, right), pressed", op_bumper},
-    Operation{"trip", "the patient stumbles", op_trip},
-    Operation{"collapse", "the patient's legs give way", op_collapse},
+    Operation{"trip", "the patient falls over its feet; toward forward (as without), backward, left or right", op_trip},
+    Operation{"collapse", "the patient's legs give way; toward as in trip", op_collapse},
     Operation{"hang", "the patient hangs forward in the harness", op_hang},
     Operation{"unplug", "node: its plug is pulled", op_unplug},
     Operation{"replug", "node: its plug is back", op_replug},

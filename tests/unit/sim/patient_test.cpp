@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "firmware/sim/patient.hpp"
+#include "firmware/sim/patient_family.hpp"
 #include "firmware/sim/plant.hpp"
 
 namespace hoist::sim {
@@ -271,29 +274,147 @@ TEST(Patient, SwayGrowsWithSpeedAndSwingsTwiceForwardForOnceSideways) {
 }
 
 // What the fall guards of the core must catch: past 10 degrees with more than 25 deg/s outward (SOURCES 2.1).
-void expect_fall(void (Patient::*how)(), double within_s) {
+void expect_fall(void (Patient::*how)(double), double toward_rad, double within_s) {
   Stage stage;
   stage.released = stage.follows = true;
   stage.run(6.0);
   ASSERT_EQ(stage.patient.state(), PatientState::leading);
-  (stage.patient.*how)();
-  double last_rad = 0.0, fastest_rad_s = 0.0;
+  (stage.patient.*how)(toward_rad);
+  double last_rad = 0.0, fastest_rad_s = 0.0, largest_rad = 0.0;
   bool past = false;
   for (double t = 0.0; t < within_s; t += 0.001) {
     stage.run(0.001);
-    const double lean_rad = std::atan(stage.patient.harness().dx_m / 0.8);
+    const HarnessMotion& harness = stage.patient.harness();
+    const double lean_rad = std::atan((std::cos(toward_rad) * harness.dx_m + std::sin(toward_rad) * harness.dy_m) / 0.8);
     if (lean_rad > 10.0 * kDegree_rad) {
       past = true;
       fastest_rad_s = std::max(fastest_rad_s, (lean_rad - last_rad) / 0.001);
     }
     last_rad = lean_rad;
+    largest_rad = std::max(largest_rad, lean_rad);
   }
-  EXPECT_TRUE(past);
-  EXPECT_GT(fastest_rad_s, 25.0 * kDegree_rad);
-  EXPECT_LT(stage.largest_lean_rad, 18.0 * kDegree_rad);  // the stop and its rubber hold
+  EXPECT_TRUE(past) << toward_rad;
+  EXPECT_GT(fastest_rad_s, 25.0 * kDegree_rad) << toward_rad;
+  EXPECT_LT(largest_rad, 18.0 * kDegree_rad) << toward_rad;  // the stop and its rubber hold
 }
-TEST(Patient, AStumbleGoesQuicklyPastTenDegrees) { expect_fall(&Patient::trip, 2.0); }
-TEST(Patient, ACollapseGoesQuicklyPastTenDegrees) { expect_fall(&Patient::collapse, 3.0); }
+constexpr std::array kEverySide{0.0, kPi / 2.0, -kPi / 2.0, kPi};
+TEST(Patient, AStumbleGoesQuicklyPastTenDegrees) {
+  for (const double toward_rad : kEverySide) expect_fall(&Patient::trip, toward_rad, 3.0);
+}
+TEST(Patient, ACollapseGoesQuicklyPastTenDegrees) {
+  for (const double toward_rad : kEverySide) expect_fall(&Patient::collapse, toward_rad, 3.0);
+}
+
+// The gait alone: the platform goes by itself, and the patient walks along.
+struct Gait {
+  double stride_cv = 0, size_cv = 0, mean_aside_m = 0, worst_rate_m_s = 0, frozen_s = 0;
+  int strides = 0;
+};
+Gait gait_of(const PatientParams& params, double seconds) {
+  Stage stage("straight", params);
+  stage.released = true;
+  stage.platform.speed_m_s = 0.3;
+  stage.run(5.0);
+  std::vector<double> times, sizes;
+  double sum_m = 0.0, out_m = 0.0, crossed_s = -1.0;
+  HarnessMotion last = stage.patient.harness();
+  Gait gait;
+  for (int i = 0; i < static_cast<int>(seconds * 1000.0); ++i) {
+    stage.run(0.001);
+    const HarnessMotion& now = stage.patient.harness();
+    for (const double off_m_s : {(now.dx_m - last.dx_m) / 0.001 - (now.dx_rate_m_s + last.dx_rate_m_s) / 2.0,
+                                 (now.dy_m - last.dy_m) / 0.001 - (now.dy_rate_m_s + last.dy_rate_m_s) / 2.0})
+      gait.worst_rate_m_s = std::max(gait.worst_rate_m_s, std::fabs(off_m_s));
+    sum_m += now.dy_m;
+    out_m = std::max(out_m, now.dy_m);
+    const double middle_m = sum_m / (i + 1);
+    if (last.dy_m < middle_m && now.dy_m >= middle_m && (crossed_s < 0.0 || i * 0.001 - crossed_s > 0.4)) {
+      if (crossed_s >= 0.0) times.push_back(i * 0.001 - crossed_s), sizes.push_back(out_m - middle_m);
+      crossed_s = i * 0.001, out_m = middle_m;
+    }
+    gait.frozen_s += stage.patient.frozen() ? 0.001 : 0.0;
+    last = now;
+  }
+  const auto cv = [](const std::vector<double>& values) {
+    double sum = 0.0, squares = 0.0;
+    for (const double value : values) sum += value, squares += value * value;
+    const double mean = sum / static_cast<double>(values.size());
+    return std::sqrt(std::max(0.0, squares / static_cast<double>(values.size()) - mean * mean)) / mean;
+  };
+  gait.strides = static_cast<int>(times.size());
+  gait.stride_cv = cv(times), gait.size_cv = cv(sizes);
+  gait.mean_aside_m = sum_m / (seconds * 1000.0);
+  return gait;
+}
+
+TEST(PatientFamily, StridesVaryAsTheRowSaysAndThePlainPatientsDoNot) {
+  const Gait even = gait_of({}, 120.0);
+  EXPECT_GT(even.strides, 50);
+  EXPECT_LT(even.stride_cv, 0.02);  // of the crossings of a mean that is still found
+  for (const FamilyMember& member : kPatientFamily) {
+    PatientParams params = member.params;
+    params.variation.freezes_per_min = 0.0;
+    EXPECT_LT(gait_of(params, 60.0).worst_rate_m_s, 0.02)
+        << member.name;  // position and rate belong together: no jump for the sensors to feel
+    // From stride to stride alone: what wanders inside a stride would move its crossings.
+    params.variation.within_norm = params.variation.stand_sway_m = 0.0;
+    const Gait gait = gait_of(params, 400.0);
+    ASSERT_GT(gait.strides, 100) << member.name;
+    EXPECT_GT(gait.stride_cv, 0.6 * params.variation.stride_time_norm) << member.name;
+    EXPECT_LT(gait.stride_cv, 1.6 * params.variation.stride_time_norm + 0.04) << member.name;
+    EXPECT_GT(gait.size_cv, 0.5 * params.variation.step_size_norm) << member.name;
+    EXPECT_NEAR(gait.mean_aside_m, 0.85 * params.lean_left_m, 0.15 * params.lean_left_m + 0.004) << member.name;
+  }
+}
+
+TEST(PatientFamily, StandingSwaysAsTheRowSaysAndTheSameSeedSwaysAlike) {
+  const auto sway = [](std::uint64_t seed, std::vector<double>& places) {
+    PatientParams params = find_patient("standing")->params;
+    params.variation.seed = seed;
+    Stage stage("stand", params);
+    double squares = 0.0;
+    for (int i = 0; i < 60'000; ++i) {
+      stage.run(0.01);
+      const double dx_m = stage.patient.harness().dx_m;
+      squares += dx_m * dx_m;
+      if (i % 100 == 0) places.push_back(dx_m);
+    }
+    return std::sqrt(squares / 60'000);
+  };
+  std::vector<double> one, again, other;
+  const double without_springs_m = find_patient("standing")->params.variation.stand_sway_m;
+  for (const double rms_m : {sway(1, one), sway(1, again), sway(2, other)}) {
+    EXPECT_GT(rms_m, 0.4 * without_springs_m);
+    EXPECT_LT(rms_m, 0.7 * without_springs_m);
+  }
+  EXPECT_EQ(one, again);
+  EXPECT_NE(one, other);
+}
+
+TEST(PatientFamily, FeetFreezeForSecondsAndGoOn) {
+  PatientParams params = find_patient("parkinson")->params;
+  const Gait gait = gait_of(params, 1800.0);
+  // Every two minutes for about four seconds, and 5 s at least between two.
+  EXPECT_GT(gait.frozen_s, 20.0);
+  EXPECT_LT(gait.frozen_s, 120.0);
+  // Held on the spot while the platform goes on: the springs carry the body along in the end.
+  Stage stage("straight", params);
+  stage.released = stage.follows = true;
+  stage.run(3.0);
+  ASSERT_EQ(stage.patient.state(), PatientState::leading);
+  const double here_m = stage.platform.x_m;
+  double slowest_m_s = 1.0;
+  bool froze = false;
+  for (int i = 0; i < 600'000 && !(froze && !stage.patient.frozen()); ++i) {
+    stage.platform.x_m = here_m;  // an endless straight
+    stage.run(0.001);
+    if (!stage.patient.frozen()) continue;
+    froze = true;
+    slowest_m_s = std::min(slowest_m_s, std::fabs(stage.platform.speed_m_s));
+  }
+  EXPECT_TRUE(froze);
+  EXPECT_LT(slowest_m_s, 0.05);
+}
 
 TEST(Patient, HangingStaysPastTenDegreesWithoutAGait) {
   Stage stage;
