@@ -343,7 +343,7 @@ TEST(Guided, EveryFieldIsHeldAgainstItsRange) {
     GuidedField field;
   };
   const Case cases[] = {
-      {"no such shape", {static_cast<GuidedShape>(5), false, 2, 0, 0.3, 1}, GuidedField::shape},
+      {"no such shape", {static_cast<GuidedShape>(6), false, 2, 0, 0.3, 1}, GuidedField::shape},
       {"shape zero", {static_cast<GuidedShape>(0), false, 2, 0, 0.3, 1}, GuidedField::shape},
       {"too short", {GuidedShape::straight, false, 0.4, 0, 0.3, 1}, GuidedField::size},
       {"size no number", {GuidedShape::square, false, kNan, 0, 0.3, 1}, GuidedField::size},
