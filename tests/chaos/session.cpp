@@ -100,8 +100,9 @@ class Session {
       while (loop_.mode() != Mode::standby) {
         if (loop_.time_s() >= end_s) {
           // A gyroscope whose zero was off while it was being measured, and came back, marks its samples invalid until
-          // the hoist is switched off and on, as its alarm says.
-          const bool doubts = (loop_.core().conditions & contract::fault_bit(contract::Fault::tilt_sensor_fault)) != 0;
+          // the hoist is switched off and on, as its alarm says. A core that was started meanwhile waits for them in INIT.
+          const bool doubts =
+              (loop_.core().conditions & contract::fault_bit(contract::Fault::tilt_sensor_fault)) != 0 || loop_.mode() == Mode::init;
           const bool was_off = board_.ever(Kind::gyro_jump) || board_.ever(Kind::sensor_offset);
           if (switched_off || !doubts || !was_off) break;
           switched_off = true;

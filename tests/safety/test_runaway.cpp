@@ -71,6 +71,22 @@ TEST(Runaway, H1AMotorOfASleepingDriveIsStoppedThenLosesItsSupply) {
   }
 }
 
+// Its encoder has failed, or something holds the wheel.
+TEST(Runaway, H1ACurrentThroughABridgeThatIsOffNeedsNoMotionToBeSeen) {
+  for (const double current_a : {1.5, -1.5}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    run_away(hoist.drive_left, 0, current_a);
+    EXPECT_TRUE(hoist.reach(Mode::protective_stop, 7));
+    EXPECT_TRUE(hoist.has_fault(Fault::overspeed));
+    // A real drive finds the current, too, and does not hold its wheel.
+    hoist.drive_left.fault = hoist.drive_left.ignores_reset = true;
+    const int released = ticks_until_released(hoist, 100);
+    EXPECT_GT(released, 18);
+    EXPECT_LE(released, 32);
+  }
+}
+
 TEST(Runaway, H1OnlyAnEngineerGivesTheSupplyBack) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -142,8 +158,8 @@ TEST(Runaway, H1WhatHandsAndSlopesDoIsNoRunaway) {
     const char* name;
     double wheel_m_s, current_a;
   };
-  for (const Push& push : {Push{"pushed quickly, with a current sensor that is off", 1.2, 0.9}, Push{"pushed back", -1.2, -0.9},
-                           Push{"braking", 0.6, -12}, Push{"a standing motor", 0.04, 12}}) {
+  for (const Push& push :
+       {Push{"pushed quickly, with a current sensor that is off", 1.2, 0.9}, Push{"pushed back", -1.2, -0.9}, Push{"braking", 0.6, -12}}) {
     for (const Mode mode : {Mode::standby, Mode::calibrate}) {
       SCOPED_TRACE(push.name);
       ScriptedHoist hoist;

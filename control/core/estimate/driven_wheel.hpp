@@ -27,4 +27,14 @@ inline constexpr double kDriven_a = 1.0;
          along_a > threshold<kFault, "driven_current">(kDriven_a);
 }
 
+/// A current through a bridge that is off: shorted transistors. A wheel that something pushes faster than about 0.7 m/s generates more than the
+/// supply and feeds it through the diodes, against its motion: that is none. A wheel that seems to stand does not excuse a current, since its
+/// encoder may have failed.
+[[nodiscard]] inline bool stray_current(const DriveSensor& drive, double wheel_m_s) noexcept {
+  constexpr contract::Fault kFault = contract::Fault::overspeed;
+  if (drive.fresh().lost() || drive.works()) return false;
+  const bool feeds_back = std::fabs(wheel_m_s) > kDriven_m_s && (drive.current_a() > 0) != (wheel_m_s > 0);
+  return !feeds_back && std::fabs(drive.current_a()) > threshold<kFault, "stray_current">(kDriven_a);
+}
+
 }  // namespace hoist::core

@@ -2,8 +2,8 @@
 //
 // While the drives follow: the hoist is faster than speed_m_s_max + overspeed_margin_m_s for 50 ms, or a wheel is following_error_m_s_max
 // beside its command for following_error_s. R2 within 150 ms. The drives have their own absolute limit (R3, 20 ms, firmware/nodes/drive).
-// In every mode: a wheel is turned by the motor of a drive whose bridge is off, for 50 ms (estimate/driven_wheel.hpp). A hoist whose drives
-// are off may be pushed by hand.
+// In every mode: a current flows through a bridge that is off, for 50 ms (estimate/driven_wheel.hpp). A hoist whose drives are off may be pushed
+// by hand.
 //
 // When such a stop fails, output/runaway_watch.hpp cuts the motors' supply.
 #pragma once
@@ -24,9 +24,9 @@ class Overspeed {
   bool check(const MonitorView& view) noexcept {
     const Odometry& odometry = view.sensed.odometry;
     const bool known = !view.sensed.drives_lost();
-    const bool driven = driven_while_off(view.sensed.left_drive, odometry.wheel_left_m_s) ||
-                        driven_while_off(view.sensed.right_drive, odometry.wheel_right_m_s);
-    if (driven_.step(driven, hold<kFault, "driven_while_off">(kFastTicks))) {
+    const bool stray =
+        stray_current(view.sensed.left_drive, odometry.wheel_left_m_s) || stray_current(view.sensed.right_drive, odometry.wheel_right_m_s);
+    if (stray_.step(stray, hold<kFault, "stray_time">(kFastTicks))) {
       code_ = 0;
       return true;
     }
@@ -79,15 +79,12 @@ class Overspeed {
     return std::fabs(wheel_m_s) < std::fabs(reference_m_s) && wheel_m_s * reference_m_s >= 0 && std::fabs(current_a) >= push_a;
   }
 
-  [[nodiscard]] static bool driven_while_off(const DriveSensor& drive, double wheel_m_s) noexcept {
-    return !drive.works() && motor_drives(drive, wheel_m_s, 0);
-  }
   static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
 
   Reference left_, right_;
   double apart_s_ = 0;
   std::uint16_t code_ = 0;
-  Lasting fast_, driven_;
+  Lasting fast_, stray_;
 };
 
 }  // namespace hoist::core

@@ -2,7 +2,8 @@
 //
 // Watched in every mode that is not meant to move (what moves differently than commanded in the others is stopped first, by
 // monitor/overspeed.hpp). Any of three things for kStop_s:
-//   driven     a motor turns its wheel although nothing asks for it (estimate/driven_wheel.hpp), in so many more steps than it does not
+//   driven     a motor turns its wheel although nothing asks for it, or is fed through a bridge that is off (estimate/driven_wheel.hpp), in so
+//              many more steps than not
 //   unslowed   before the first standstill of a PROTECTIVE_STOP a wheel is off its ramp and does not slow down
 //   spinning   the same, of the whole hoist by its gyroscope, while a drive is silent
 // The last two need no current sensor. They end with the first standstill, because from then on hands may push a hoist whose drives have
@@ -33,7 +34,9 @@ class RunawayWatch {
     }
     const Odometry& wheels = sensed.odometry;
     const bool driven = motor_drives(sensed.left_drive, wheels.wheel_left_m_s, left_m_s_) ||
-                        motor_drives(sensed.right_drive, wheels.wheel_right_m_s, right_m_s_);
+                        motor_drives(sensed.right_drive, wheels.wheel_right_m_s, right_m_s_) ||
+                        stray_current(sensed.left_drive, wheels.wheel_left_m_s) ||
+                        stray_current(sensed.right_drive, wheels.wheel_right_m_s);
     // A step that says otherwise counts against, and does not begin anew: a position that comes late makes the next speeds wrong.
     driven_s_ = std::max(0.0, driven_s_ + (driven ? dt_s : -dt_s));
     bool goes_on = false;

@@ -126,16 +126,16 @@ void Watch::must_stop(std::string_view cause, double budget_s, double braking_m_
   if (core_runs_ && moves(mode_)) must_rest(cause, budget_s, braking_m_s2);
 }
 void Watch::must_rest(std::string_view cause, double budget_s, double braking_m_s2) {
-  must_stop_.push_back({cause, world_.time_s() + budget_s + reached_m_s() / braking_m_s2 + kRollOut_s});
+  must_stop_.push_back({cause, world_.time_s() + budget_s + reached_m_s(budget_s) / braking_m_s2 + kRollOut_s});
 }
 
-// What speeds up follows a stop as late as everything else, so it becomes faster first.
-double Watch::reached_m_s() const {
+// What speeds up follows a stop as late as everything else, and not before its budget is over, so it becomes faster first.
+double Watch::reached_m_s(double budget_s) const {
   const Truth& truth = sampler_.now();
   double reached_m_s = 0;
   for (std::size_t i = 0; i < truth.wheel_m_s.size(); ++i) {
     const double speed_m_s = std::fabs(truth.wheel_m_s[i]), gain_m_s2 = std::copysign(1.0, truth.wheel_m_s[i]) * truth.wheel_m_s2[i];
-    reached_m_s = std::max(reached_m_s, speed_m_s + kRollOut_s * std::max(0.0, gain_m_s2));
+    reached_m_s = std::max(reached_m_s, speed_m_s + (budget_s + kRollOut_s) * std::max(0.0, gain_m_s2));
   }
   return reached_m_s;
 }
@@ -235,7 +235,7 @@ void Watch::watch_platform(bool core_ran) {
   // I8: without the core the drives brake by themselves: 50 ms, then the ramp. What a body's push has turned has the ramp before it, too.
   if (core_ran || excused) {
     core_silent_s_ = now_s;
-    reached_at_silence_m_s_ = reached_m_s();
+    reached_at_silence_m_s_ = reached_m_s(kAlone_s);
   } else if (now_s - core_silent_s_ > kAlone_s + 0.01 + reached_at_silence_m_s_ + kRollOut_s &&
              truth.fastest_m_s > Deadlines::rest_m_s(truth)) {
     broken("I8: a wheel still turns after the core's last command", truth.fastest_m_s);

@@ -40,7 +40,7 @@ class Watch {
  private:
   void driver_gone();
   void must_rest(std::string_view cause, double budget_s, double braking_m_s2);
-  [[nodiscard]] double reached_m_s() const;
+  [[nodiscard]] double reached_m_s(double budget_s) const;
   struct MustStop {
     std::string_view cause;
     double by_s;

@@ -390,7 +390,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 3, name: 'not_neutral', text: { en: 'The patient is not upright and straight: stand upright or set neutral.', de: 'Der Patient steht nicht aufrecht und gerade: aufrichten oder neutral setzen.' } },
   { bit: 4, name: 'moving', text: { en: 'The hoist is still moving.', de: 'Das Gerät bewegt sich noch.' } },
   { bit: 5, name: 'battery_empty_start', text: { en: 'The batteries are empty.', de: 'Die Batterien sind leer.' } },
-  { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: stand quietly, ten seconds at most.', de: 'Die Sensoren stellen sich noch ein: ruhig stehen, höchstens zehn Sekunden.' } },
+  { bit: 6, name: 'sensors_settling', text: { en: 'The sensors are still settling: stand quietly for ten seconds. If this stays, switch the hoist off and on.', de: 'Die Sensoren stellen sich noch ein: zehn Sekunden ruhig stehen. Bleibt das so, das Gerät aus- und einschalten.' } },
   { bit: 7, name: 'no_lease', text: { en: 'Take control first.', de: 'Zuerst die Steuerung übernehmen.' } },
   { bit: 8, name: 'stick_not_neutral', text: { en: 'Let go of the joystick first.', de: 'Zuerst den Joystick loslassen.' } },
   { bit: 9, name: 'out_of_range', text: { en: 'The value is outside its range.', de: 'Der Wert liegt außerhalb seines Bereichs.' } },
