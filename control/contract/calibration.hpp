@@ -22,6 +22,7 @@ enum class CalibrationStep : std::uint8_t {
   square = 8,         // errors of driven squares (UMBmark)
   encoders = 9,       // pushed forward, turned left
   bumpers = 10,       // each strip pressed once
+  struts = 11,        // bar moved forward, to the right, turned left
 };
 
 /// What `measure_calibration` means in `a`; only the square has two parts.
@@ -93,6 +94,12 @@ inline constexpr std::array kCalibrationSteps{
     CalibrationStepInfo{CalibrationStep::bumpers, "bumpers", Role::therapist, ParamName::calibrated_bumpers_s, "", 0, 0, 0, false,
                         "Bumpers", "Press the bumpers one after the other: front, rear, left, right.", "Stoßfänger",
                         "Die Stoßfänger nacheinander drücken: vorn, hinten, links, rechts."},
+    CalibrationStepInfo{
+        CalibrationStep::struts, "struts", Role::therapist, ParamName::calibrated_struts_s, "", 0, 0, 0, true, "Strut sensors",
+        "Take the patient out of the harness. Move the bar by a hand's length and hold it still: forward, to the right, turned to the "
+        "left.",
+        "Strebensensoren",
+        "Patient aus dem Gurt nehmen. Den Bügel um eine Handlänge bewegen und stillhalten: nach vorn, nach rechts, nach links gedreht."},
 };
 
 enum class CalibrationReason : std::uint8_t {
@@ -121,6 +128,12 @@ enum class CalibrationReason : std::uint8_t {
   bumper_dead = 22,
   turned_right = 23,
   harness_sways = 24,
+  left_strut_turned = 25,
+  right_strut_turned = 26,
+  left_strut_askew = 27,
+  right_strut_askew = 28,
+  struts_swapped = 29,
+  bar_other_way = 30,
 };
 
 struct CalibrationReasonInfo {
@@ -191,6 +204,24 @@ inline constexpr std::array kCalibrationReasons{
     CalibrationReasonInfo{CalibrationReason::harness_sways, "harness_sways",
                           "The harness sways. Take the patient out, let the struts rest, measure again.",
                           "Der Gurt bewegt sich. Patienten herausnehmen, Streben ruhen lassen, neu messen."},
+    CalibrationReasonInfo{CalibrationReason::left_strut_turned, "left_strut_turned",
+                          "The left strut's sensor shows the opposite: it is screwed on the wrong way round. Turn it.",
+                          "Der Sensor der linken Strebe zeigt das Gegenteil: er ist verkehrt herum angeschraubt. Umdrehen."},
+    CalibrationReasonInfo{CalibrationReason::right_strut_turned, "right_strut_turned",
+                          "The right strut's sensor shows the opposite: it is screwed on the wrong way round. Turn it.",
+                          "Der Sensor der rechten Strebe zeigt das Gegenteil: er ist verkehrt herum angeschraubt. Umdrehen."},
+    CalibrationReasonInfo{CalibrationReason::left_strut_askew, "left_strut_askew",
+                          "The left strut's sensor did not follow the bar. Is it screwed down, straight and on its strut?",
+                          "Der Sensor der linken Strebe ist dem Bügel nicht gefolgt. Sitzt er fest, gerade und an seiner Strebe?"},
+    CalibrationReasonInfo{CalibrationReason::right_strut_askew, "right_strut_askew",
+                          "The right strut's sensor did not follow the bar. Is it screwed down, straight and on its strut?",
+                          "Der Sensor der rechten Strebe ist dem Bügel nicht gefolgt. Sitzt er fest, gerade und an seiner Strebe?"},
+    CalibrationReasonInfo{CalibrationReason::struts_swapped, "struts_swapped",
+                          "The bar was turned to the right. If you turned it left, the strut sensors are swapped: exchange them.",
+                          "Der Bügel wurde nach rechts gedreht. War es nach links, sind die Strebensensoren vertauscht: austauschen."},
+    CalibrationReasonInfo{CalibrationReason::bar_other_way, "bar_other_way",
+                          "The bar moved another way than asked. If it did not, both strut sensors are screwed on wrongly.",
+                          "Der Bügel wurde anders bewegt als verlangt. Wenn nicht, sind beide Strebensensoren falsch angeschraubt."},
 };
 
 static_assert(unique_by(kCalibrationSteps, [](const CalibrationStepInfo& s) { return s.step; }) &&

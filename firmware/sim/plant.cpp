@@ -310,8 +310,10 @@ Plant::Vector Plant::sensor_velocity(Place place) const {
           0.0};
 }
 
-ImuReading Plant::read_imu(Place place) {
-  SensorMemory& memory = sensors_[static_cast<std::size_t>(place)];
+ImuReading Plant::read_imu(Place sensor) {
+  const auto index = static_cast<std::size_t>(sensor);
+  const Place place = params_.sensor_at[index];
+  SensorMemory& memory = sensors_[index];
   const Vector velocity = sensor_velocity(place);
   const double age_s = time_s_ - memory.time_s;
   // Acceleration against the floor, in the platform's axes: the rotating frame adds omega x v.
@@ -358,9 +360,12 @@ ImuReading Plant::read_imu(Place place) {
   truth.alpha_rate_rad_s = along(y_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.beta_rate_rad_s = along(x_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.yaw_rate_rad_s = along(z_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
-  const MountingError& askew = params_.mounting[static_cast<std::size_t>(place)];
+  if (params_.sensor_reversed[index]) {
+    for (double* value : {&truth.ax_m_s2, &truth.ay_m_s2, &truth.alpha_rate_rad_s, &truth.beta_rate_rad_s}) *value = -*value;
+  }
+  const MountingError& askew = params_.mounting[index];
   if (askew.alpha_rad != 0.0 || askew.beta_rad != 0.0) truth = seen_askew(truth, askew);
-  return imus_[static_cast<std::size_t>(place)].corrupt(truth, std::clamp(age_s, 0.0, 1.0));
+  return imus_[index].corrupt(truth, std::clamp(age_s, 0.0, 1.0));
 }
 
 void Plant::push_by_hand(double way_m, double turn_rad) {

@@ -53,6 +53,8 @@ struct PlantParams {
   double pitch_lag_s{0.08};
   // Deviations set by hidden_errors.hpp; exact by default.
   std::array<MountingError, kPlaceCount> mounting{};
+  std::array<Place, kPlaceCount> sensor_at{Place::left_strut, Place::right_strut, Place::chassis};  ///< where each one is screwed on
+  std::array<bool, kPlaceCount> sensor_reversed{};       ///< and there turned by half a turn about its strut
   std::array<double, 2> wheel_norm{1.0, 1.0};            ///< true radius of each wheel / wheel_radius_m
   std::array<std::uint8_t, 4> bumper_wires{0, 1, 2, 3};  ///< which input bit each strip is wired to; 255: to none
   double electronics_a{1.5};                             ///< computer, router and nodes
@@ -96,7 +98,7 @@ class Plant {
   [[nodiscard]] double supply_v() const { return powered() ? battery_.both_v() : 0.0; }
   [[nodiscard]] double battery_v(int which) const { return battery_.one_v(which); }
   /// A sample as the sensor board reads it: the mean acceleration since the sample before (the chip's own filter), with noise and bias.
-  [[nodiscard]] ImuReading read_imu(Place place);
+  [[nodiscard]] ImuReading read_imu(Place sensor);
   /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.
   [[nodiscard]] std::uint8_t bumpers() const;
   /// True angle of a strut against the platform, rad.
@@ -146,6 +148,11 @@ class Plant {
   /// Wires a strip (0 front, 1 rear, 2 left, 3 right) to another bit of the input node; 255 = to none.
   void wire_bumper(std::size_t strip, std::uint8_t bit) {
     if (strip < params_.bumper_wires.size()) params_.bumper_wires[strip] = bit;
+  }
+  /// Screws a place's sensor on elsewhere, or there by half a turn the wrong way round.
+  void screw_sensor(Place sensor, Place at, bool reversed) {
+    params_.sensor_at[static_cast<std::size_t>(sensor)] = at;
+    params_.sensor_reversed[static_cast<std::size_t>(sensor)] = reversed;
   }
   /// Brakes released, the machine is pushed by hand along this distance and turned by this angle, evenly and at walking pace. Only while
   /// both bridges are off; ends when one is switched on.

@@ -335,6 +335,47 @@ TEST(Calibration, SwappedBumpersAreFound) {
   EXPECT_EQ(shop.params().calibrated_bumpers_s, 0.0);
 }
 
+// H7: the bar goes forward, to the right and is turned left; springs bring it back.
+CalibrationReason move_struts(Workshop& shop) {
+  const auto bar = [&shop](double dx_m, double dy_m, double yaw_rad, double seconds) {
+    shop.loop.world().hold_bar(dx_m, dy_m, yaw_rad);
+    shop.loop.run(seconds);
+  };
+  if (!shop.begin(CalibrationStep::struts) || !shop.comes(CalibrationPhase::operator_)) return CalibrationReason::cancelled;
+  for (const std::array<double, 3> to : {std::array{0.12, 0.0, 0.0}, std::array{0.0, -0.12, 0.0}, std::array{0.0, 0.0, 0.45}}) {
+    bar(to[0], to[1], to[2], 6.0);
+    if (shop.phase() == CalibrationPhase::refused || shop.phase() == CalibrationPhase::result) break;
+    bar(0, 0, 0, 3.0);
+  }
+  return shop.phase() == CalibrationPhase::result ? CalibrationReason::none : shop.reason();
+}
+TEST(Calibration, H7StrutSensorsOnTheWrongSideOrTheWrongWayRoundAreFound) {
+  using sim::Place;
+  struct Wrong {
+    const char* what;
+    Place left_at, right_at;
+    bool left_reversed, right_reversed;
+    CalibrationReason found;
+  };
+  for (const Wrong& wrong :
+       {Wrong{"right", Place::left_strut, Place::right_strut, false, false, CalibrationReason::none},
+        Wrong{"swapped", Place::right_strut, Place::left_strut, false, false, CalibrationReason::struts_swapped},
+        Wrong{"left reversed", Place::left_strut, Place::right_strut, true, false, CalibrationReason::left_strut_turned},
+        Wrong{"right reversed", Place::left_strut, Place::right_strut, false, true, CalibrationReason::right_strut_turned},
+        Wrong{"both reversed", Place::left_strut, Place::right_strut, true, true, CalibrationReason::bar_other_way},
+        Wrong{"left on the chassis", Place::chassis, Place::right_strut, false, false, CalibrationReason::left_strut_askew}}) {
+    SCOPED_TRACE(wrong.what);
+    Workshop shop(9);
+    shop.loop.world().plant().screw_sensor(Place::left_strut, wrong.left_at, wrong.left_reversed);
+    shop.loop.world().plant().screw_sensor(Place::right_strut, wrong.right_at, wrong.right_reversed);
+    ASSERT_TRUE(shop.open());
+    EXPECT_EQ(move_struts(shop), wrong.found) << shop.told();
+    if (wrong.found != CalibrationReason::none) continue;
+    ASSERT_TRUE(shop.use());
+    EXPECT_EQ(shop.params().calibrated_struts_s, kToday_s);
+  }
+}
+
 TEST(Calibration, AfterAMinuteWithoutProgressTheHoistIsOnStandbyAgain) {
   Workshop shop(8);
   ASSERT_TRUE(shop.open());

@@ -296,9 +296,9 @@ std::uint64_t HoistBench::digest() const {
 // ---------------------------------------------------------------- with the core
 
 namespace {
-// These nodes report as real ones: such a hoist starts only after its struts have been zeroed.
+// These nodes report as real ones: such a hoist starts only after its struts have been zeroed and its parts checked.
 contract::Params zeroed(contract::Params params) {
-  params.calibrated_zero_s = 1.0;
+  params.calibrated_zero_s = params.calibrated_encoders_s = params.calibrated_bumpers_s = params.calibrated_struts_s = 1.0;
   return params;
 }
 }  // namespace
@@ -318,6 +318,8 @@ void MachineLoop::step() {
   inputs.server_heartbeat = ++heartbeat_;
   core::tick(*core_, inputs, core::kTick_s, *outputs_);
   commands_.clear();
+  // Whoever checked them had the same parts.
+  if (core_->master.all_running()) core_->params.calibrated_nodes_id = static_cast<double>(core_->master.nodes_id());
   for (const CanFrame& frame : outputs_->frames) bench_.host_send(frame);
   for (const contract::Event& event : outputs_->events) events_.push_back(event);
   for (int i = 0; i < 10; ++i) bench_.advance_1ms();

@@ -31,6 +31,8 @@ describe('the Calibrate screen', () => {
             expect(key === null ? null : textOf(key), `${name} ${phase}`).not.toBeNull();
         }
     expect(nowKey(now({ step: 'bumpers', value: 2 }))).toBe('calibrate.press.left');
+    expect(nowKey(now({ step: 'struts', value: 1 }))).toBe('calibrate.now.strutsRight');
+    expect(nowKey(now({ step: 'struts', value: 1, phase: 'resting' }))).toBe('calibrate.now.strutsBack');
     const bar = (name: Now['step']) => [0, 33, 66].map((done_percent) => nowKey(now({ step: name, done_percent })));
     expect(bar('strut_length')).toEqual(['calibrate.now.barForward', 'calibrate.now.barFurther', 'calibrate.now.barBack']);
     expect(bar('strut_spacing')).toEqual(['calibrate.now.barLeft', 'calibrate.now.barLeftFurther', 'calibrate.now.barRight']);

@@ -6,6 +6,7 @@
 #include "control/core/calibrate/bumper_check.hpp"
 #include "control/core/calibrate/pairs.hpp"
 #include "control/core/calibrate/still_window.hpp"
+#include "control/core/calibrate/strut_check.hpp"
 #include "control/core/calibrate/umbmark.hpp"
 #include "control/core/command/staging.hpp"
 #include "control/core/types.hpp"
@@ -40,6 +41,8 @@ struct Calibration {
   SquareMean left_squares, right_squares;
   double side_m = 0;
   BumperCheck bumpers;
+  StrutCheck struts;
+  StrutCheck::Angles upright{};  // at rest, where the check of the struts began
   bool used = false;
   Staging result;  // parameters as they would become, dates not included
 };

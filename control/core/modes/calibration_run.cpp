@@ -1,5 +1,7 @@
 #include "control/core/modes/calibration_run.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "control/core/calibrate/gyro_bias.hpp"
@@ -49,6 +51,7 @@ constexpr Stillness stillness(CalibrationStep step) noexcept {
       return kGyroRest;
     case CalibrationStep::strut_length:
     case CalibrationStep::strut_spacing:
+    case CalibrationStep::struts:
       return kBarRest;
     default:
       return kWheelsRest;
@@ -417,6 +420,34 @@ void watch_bumpers(CoreState& state) noexcept {
   if (c.bumpers.done()) offer(state);
 }
 
+StrutCheck::Angles struts_held(const StillWindow<kCalibrationChannels>& still) noexcept {
+  return {still.mean(0), still.mean(1), still.mean(2), still.mean(3)};
+}
+
+void watch_struts(CoreState& state) noexcept {
+  Calibration& c = state.in_mode.calibration;
+  const bool still = rests(state);
+  if (!c.started) {
+    c.phase = CalibrationPhase::resting;
+    if (still) c.upright = struts_held(c.still), c.started = true, begin_resting(c);
+    return;
+  }
+  const std::uint8_t before = c.struts.next();
+  const auto now = look(state);
+  c.struts.follow(StrutCheck::Angles{now[0], now[1], now[2], now[3]} - c.upright);
+  const CalibrationReason reason = still ? c.struts.held(struts_held(c.still) - c.upright) : CalibrationReason::none;
+  // The struts find their way back by themselves.
+  c.phase = c.struts.coming_back() ? CalibrationPhase::resting : CalibrationPhase::operator_;
+  c.done_percent = static_cast<std::uint8_t>(c.struts.next() * 100 / StrutCheck::kMotions);
+  c.value = static_cast<float>(c.struts.next());
+  if (reason != CalibrationReason::none) return refuse(state, reason);
+  if (c.struts.next() == before) return;
+  c.idle_ticks = 0;
+  begin_resting(c);
+  tell(state, EventKind::calibration_sample, c.struts.next(), static_cast<double>(before));
+  if (c.struts.done()) offer(state);
+}
+
 void watch_rest(CoreState& state) noexcept {
   Calibration& c = state.in_mode.calibration;
   const bool gyro = c.step == CalibrationStep::gyro;
@@ -450,6 +481,8 @@ void watch_step(CoreState& state) noexcept {
       return watch_encoders(state);
     case CalibrationStep::bumpers:
       return watch_bumpers(state);
+    case CalibrationStep::struts:
+      return watch_struts(state);
     case CalibrationStep::square:  // the operator enters everything
     case CalibrationStep::none:
       return;
@@ -467,7 +500,8 @@ std::uint32_t calibration_refusals(const CoreState& state, const CalibrationStep
   // Each step begins at rest; the tilt filters must have converged.
   if (!at_rest(state)) bits |= refusal_bit(Refusal::moving);
   const bool angles = info.step == CalibrationStep::zero || info.step == CalibrationStep::neutral || info.step == CalibrationStep::gyro ||
-                      info.step == CalibrationStep::strut_length || info.step == CalibrationStep::strut_spacing;
+                      info.step == CalibrationStep::strut_length || info.step == CalibrationStep::strut_spacing ||
+                      info.step == CalibrationStep::struts;
   const bool settled = sensed.left_strut.has(tilt_status::kConverged) && sensed.right_strut.has(tilt_status::kConverged) &&
                        sensed.base.has(tilt_status::kConverged);
   if (angles && !settled) bits |= refusal_bit(Refusal::sensors_settling);
@@ -537,5 +571,28 @@ void end_calibration(CoreState& state) noexcept {
 }
 
 bool calibration_valid(const CoreState& state) noexcept { return state.params.calibrated_zero_s > 0 || state.master.simulated(); }
+
+namespace {
+// The checks that a part which is new, or was plugged elsewhere, makes due again.
+constexpr std::array kPartChecks{ParamName::calibrated_encoders_s, ParamName::calibrated_bumpers_s, ParamName::calibrated_struts_s};
+}  // namespace
+
+bool parts_checked(const CoreState& state) noexcept {
+  if (state.master.simulated()) return true;
+  if (state.params.calibrated_nodes_id != static_cast<double>(state.master.nodes_id())) return false;
+  for (const ParamName check : kPartChecks)
+    if (!(contract::get_param(state.params, row_of(check)) > 0)) return false;
+  return true;
+}
+
+void sign_parts(const CoreState& state, Staging& set) noexcept {
+  const ParamName date = info_of(state.in_mode.calibration.step).date;
+  if (std::find(kPartChecks.begin(), kPartChecks.end(), date) == kPartChecks.end()) return;
+  const auto id = static_cast<double>(state.master.nodes_id());
+  if (state.params.calibrated_nodes_id == id) return;
+  static_cast<void>(set.rows.push_back({row_of(ParamName::calibrated_nodes_id), id}));
+  for (const ParamName check : kPartChecks)
+    if (check != date) static_cast<void>(set.rows.push_back({row_of(check), 0.0}));
+}
 
 }  // namespace hoist::core

@@ -54,11 +54,16 @@ class BusMaster {
     if (sdo_.outcome() == Sdo::Outcome::aborted) {
       // The node refused the value: repeating the request at once would not help.
       busy_ = false;
-      give_up(link);
+      if (sdo_param_ == kSerial) {
+        link.serial = 0;  // it has none
+        link.serial_known = true;
+      } else {
+        give_up(link);
+      }
       return true;
     }
     // No answer to this, or one that no server may give, or a word of another size: step() asks again.
-    if (sdo_.outcome() != Sdo::Outcome::done || (sdo_param_ == kIdentity && sdo_.uploaded().size() != 4)) return false;
+    if (sdo_.outcome() != Sdo::Outcome::done || (sdo_param_ >= kIdentity && sdo_.uploaded().size() != 4)) return false;
     busy_ = false;
     if (sdo_param_ == kIdentity) {
       // A serial line has no checksum. An answer that would keep a node from work counts only when it comes twice.
@@ -68,6 +73,7 @@ class BusMaster {
       known = told;
       if (link.product_known) {
         if (other_rules(told) && !twice) return true;
+        link.serial_known = false;
         link.unwritten = params_of(node);
         link.phase = Phase::configure;
       } else if ((told & contract::kLoaderProduct) == 0) {
@@ -78,6 +84,13 @@ class BusMaster {
         link.phase = Phase::absent;
         link.rest_ticks = kLoaderRest;
       }
+      return true;
+    }
+    if (sdo_param_ == kSerial) {
+      // As above: only one that was told twice is another part.
+      const bool twice = sdo_.value() == link.serial;
+      link.serial = sdo_.value();
+      link.serial_known = twice;
       return true;
     }
     link.unwritten &= ~(1U << sdo_param_);
@@ -115,7 +128,7 @@ class BusMaster {
     all_running_ = true;
     for (std::size_t n = 0; n < links_.size(); ++n) {
       advance(static_cast<contract::Node>(n), sensed, out);
-      all_running_ = all_running_ && links_[n].phase == Phase::running && links_[n].unwritten == 0;
+      all_running_ = all_running_ && links_[n].phase == Phase::running && links_[n].unwritten == 0 && !asks_serial(links_[n]);
     }
     if (busy_) {
       wait_for_reply(params, out);
@@ -151,6 +164,13 @@ class BusMaster {
     return std::any_of(links_.begin(), links_.end(),
                        [](const Link& link) { return link.phase > Phase::identify && other_rules(link.revision); });
   }
+  /// Stands for the serial numbers of all nodes, each in its place (FNV-1a, 32 bits); never 0. Nodes without a number are alike.
+  [[nodiscard]] std::uint32_t nodes_id() const noexcept {
+    std::uint32_t id = 0x811C9DC5U;
+    for (const Link& link : links_)
+      for (unsigned shift = 0; shift < 32; shift += 8) id = (id ^ (link.serial >> shift & 0xFFU)) * 0x01000193U;
+    return id == 0 ? 1U : id;
+  }
   /// Any node says that it is a build for a simulator.
   [[nodiscard]] bool simulated() const noexcept {
     std::uint32_t products = 0;
@@ -164,7 +184,9 @@ class BusMaster {
 
   struct Link {
     std::uint32_t product = 0, revision = 0;
-    bool product_known = false;   // and its revision is asked for next
+    bool product_known = false;  // and its revision is asked for next
+    std::uint32_t serial = 0;
+    bool serial_known = false;    // since its start
     std::uint32_t unwritten = 0;  // bit per row of kParamObjects
     Phase phase = Phase::absent;
     std::uint8_t state = 255;
@@ -184,7 +206,8 @@ class BusMaster {
   static constexpr std::uint8_t kNodeRest = 100;      // one second
   static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for a request
   static constexpr std::uint8_t kStartTicks = 20;     // from NMT start to the first process data, with two heartbeats in between
-  static constexpr std::size_t kIdentity = 31;        // the request that is no parameter: 1018h:2, then :3
+  // The requests that are no parameters: 1018h:2, then :3; and :4 of a node at work.
+  static constexpr std::size_t kIdentity = 31, kSerial = 32;
 
   template <std::size_t N>
   static void send(FixedVector<contract::CanFrame, N>& out, const contract::CanFrame& frame) noexcept {
@@ -201,6 +224,11 @@ class BusMaster {
   }
 
   static constexpr bool other_rules(std::uint32_t revision) noexcept { return revision >> 16U != kRevision >> 16U; }
+
+  // The parts of a simulator have no numbers that anybody would check.
+  static constexpr bool asks_serial(const Link& link) noexcept {
+    return !link.serial_known && (link.product & contract::canopen::kSimulatedProduct) == 0;
+  }
 
   static void identify(Link& link) noexcept {
     link.phase = Phase::identify;
@@ -270,9 +298,10 @@ class BusMaster {
       const Link& link = links_[turn_];
       const bool identify = link.phase == Phase::identify;
       const bool write = (link.phase == Phase::configure || link.phase == Phase::running) && link.unwritten != 0 && link.rest_ticks == 0;
-      if (!identify && !write) continue;
+      const bool number = link.phase == Phase::running && link.rest_ticks == 0 && asks_serial(link);
+      if (!identify && !write && !number) continue;
       sdo_node_ = static_cast<contract::Node>(turn_);
-      sdo_param_ = identify ? kIdentity : static_cast<std::size_t>(std::countr_zero(link.unwritten));
+      sdo_param_ = identify ? kIdentity : write ? static_cast<std::size_t>(std::countr_zero(link.unwritten)) : kSerial;
       sdo_tries_ = 0;
       // A node in NMT state STOPPED ignores SDO; send NMT start first.
       if (link.state == static_cast<std::uint8_t>(canopen::NmtState::stopped))
@@ -285,7 +314,9 @@ class BusMaster {
   template <std::size_t N>
   void ask(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
     const std::uint8_t id = contract::node_id(sdo_node_);
-    if (sdo_param_ == kIdentity) {
+    if (sdo_param_ == kSerial) {
+      busy_ = sdo_.upload(id, 0x1018, 4);
+    } else if (sdo_param_ == kIdentity) {
       const std::uint8_t sub = links_[static_cast<std::size_t>(sdo_node_)].product_known ? 3 : 2;
       busy_ = sdo_.upload(id, 0x1018, sub);
     } else {

@@ -338,6 +338,7 @@ Verdict use_calibration(CoreState& state, const Command& command) noexcept {
   if (contract::check_param(date, command.v0) != contract::ParamCheck::ok || !(command.v0 > 0)) return refused(Refusal::out_of_range);
   Staging set = calibration.result;
   static_cast<void>(set.rows.push_back({date, command.v0}));
+  sign_parts(state, set);
   put_into_force(state, set, {command.request_id, command.client}, 0);
   leave_calibration(state, true);
   return {};

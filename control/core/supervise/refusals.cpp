@@ -96,6 +96,7 @@ std::uint32_t start_refusals(const CoreState& state) noexcept {
   add(!state.remote.neutral() && state.remote.age_s(state.time_ns) <= state.params.remote_stop_age_s, Refusal::stick_not_neutral);
   add(sensed.io.bumpers() != 0, Refusal::bumper_start);
   add(!calibration_valid(state), Refusal::not_calibrated);
+  add(!parts_checked(state), Refusal::parts_unchecked);
   return bits;
 }
 

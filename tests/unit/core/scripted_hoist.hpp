@@ -36,6 +36,7 @@ struct FakeNode {
   std::vector<std::pair<std::uint32_t, float>> written;  // index << 8 | sub, value
   std::uint32_t sdo_requests = 0;
   std::uint32_t revision = kRevision;  // of its program
+  std::uint32_t serial = 0;            // 0: it has none
   std::uint32_t garble = 0;            // bits that the line turns over in its next answer about 1018h:garbled_sub
   std::uint8_t garbled_sub = 2;
   bool sdo_deaf = false;
@@ -180,6 +181,18 @@ class ScriptedHoist {
     }
   }
 
+  /// Calls this for each node.
+  template <typename F>
+  void each(F&& f) {
+    using contract::Node;
+    f(Node::drive_left, static_cast<FakeNode&>(drive_left));
+    f(Node::drive_right, static_cast<FakeNode&>(drive_right));
+    f(Node::io, static_cast<FakeNode&>(io));
+    f(Node::tilt_left, static_cast<FakeNode&>(tilt_left));
+    f(Node::tilt_right, static_cast<FakeNode&>(tilt_right));
+    f(Node::tilt_base, static_cast<FakeNode&>(tilt_base));
+  }
+
   bool to_standby() { return reach(contract::Mode::standby); }
   /// Standby with client 7 as the driver and the patient upright for long enough.
   bool ready() {
@@ -257,17 +270,6 @@ class ScriptedHoist {
       for (const auto& f : sent) answer_frame(f);
     move(drive_left);
     move(drive_right);
-  }
-
-  template <typename F>
-  void each(F&& f) {
-    using contract::Node;
-    f(Node::drive_left, static_cast<FakeNode&>(drive_left));
-    f(Node::drive_right, static_cast<FakeNode&>(drive_right));
-    f(Node::io, static_cast<FakeNode&>(io));
-    f(Node::tilt_left, static_cast<FakeNode&>(tilt_left));
-    f(Node::tilt_right, static_cast<FakeNode&>(tilt_right));
-    f(Node::tilt_base, static_cast<FakeNode&>(tilt_base));
   }
 
   void periodic(std::vector<contract::CanFrame>& frames) {
@@ -372,7 +374,10 @@ class ScriptedHoist {
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
           const std::uint32_t product = (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id;
           replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
-                                          (f.data[3] == 3 ? n.revision : product) ^ (f.data[3] == n.garbled_sub ? n.garble : 0U)));
+                                          (f.data[3] == 4   ? n.serial
+                                           : f.data[3] == 3 ? n.revision
+                                                            : product) ^
+                                              (f.data[3] == n.garbled_sub ? n.garble : 0U)));
           if (f.data[3] == n.garbled_sub) n.garble = 0;
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],

@@ -1,9 +1,11 @@
 // CALIBRATE through its commands: who may, what is refused, how it ends, what becomes parameters.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "control/contract/calibration.hpp"
 #include "control/core/serve/param_keeper.hpp"
@@ -44,8 +46,8 @@ TEST(Calibrate, StepsForAnEmptyHarnessNeedItsConfirmation) {
   ASSERT_TRUE(hoist.ready());
   for (const contract::CalibrationStepInfo& info : contract::kCalibrationSteps) {
     const auto step = static_cast<std::uint32_t>(info.step);
-    const bool strut =
-        info.step == CalibrationStep::zero || info.step == CalibrationStep::strut_length || info.step == CalibrationStep::strut_spacing;
+    const bool strut = info.step == CalibrationStep::zero || info.step == CalibrationStep::strut_length ||
+                       info.step == CalibrationStep::strut_spacing || info.step == CalibrationStep::struts;
     for (const double unconfirmed : {0.0, 0.5, -1.0, 2.0, std::numeric_limits<double>::quiet_NaN()})
       EXPECT_EQ(hoist.ask(CommandKind::begin_calibration, 7, step, 2, unconfirmed), strut ? refusal_bit(Refusal::harness_unconfirmed) : 0U)
           << info.name << ' ' << unconfirmed;
@@ -267,11 +269,157 @@ TEST(Calibrate, ARealHoistThatWasNeverZeroedDoesNotStart) {
     ScriptedHoist hoist(params);
     hoist.real = true;
     ASSERT_TRUE(hoist.ready());
-    EXPECT_EQ(hoist.ask_mode(Mode::user), zeroed ? 0U : refusal_bit(Refusal::not_calibrated));
+    EXPECT_EQ(hoist.ask_mode(Mode::user), (zeroed ? 0U : refusal_bit(Refusal::not_calibrated)) | refusal_bit(Refusal::parts_unchecked));
   }
   ScriptedHoist simulated;
   ASSERT_TRUE(simulated.ready());
   EXPECT_EQ(simulated.ask_mode(Mode::user), 0U);
+}
+
+// The checks of a technician on the scripted hoist, each to its result and used.
+void check_wheels(ScriptedHoist& hoist) {
+  ASSERT_EQ(begin(hoist, CalibrationStep::encoders), 0U);
+  hoist.step(60);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.4;
+  hoist.step(100);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0;
+  hoist.step(60);
+  hoist.drive_left.forced_m_s = -0.3;
+  hoist.drive_right.forced_m_s = 0.3;
+  hoist.tilt_base.yaw_rate_deg_s = 0;  // the scripted chassis turns with its wheels
+  hoist.step(100);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0;
+  hoist.step(60);
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = NAN;
+}
+void check_bumpers(ScriptedHoist& hoist) {
+  ASSERT_EQ(begin(hoist, CalibrationStep::bumpers), 0U);
+  for (int strip = 0; strip < 4; ++strip) {
+    hoist.step(10);
+    hoist.io.bumpers = static_cast<std::uint8_t>(1U << strip);
+    hoist.step(10);
+    hoist.io.bumpers = 0;
+  }
+  hoist.step(10);
+}
+// Where each strut goes, in degrees: forward and to the right.
+struct Struts {
+  double left_alpha, left_beta, right_alpha, right_beta;
+};
+void hold(ScriptedHoist& hoist, const Struts& at) {
+  hoist.tilt_left.alpha_deg = at.left_alpha;
+  hoist.tilt_left.beta_deg = at.left_beta;
+  hoist.tilt_right.alpha_deg = at.right_alpha;
+  hoist.tilt_right.beta_deg = at.right_beta;
+  hoist.step(150);
+}
+constexpr Struts kUpright{0, 0, 0, 0}, kForward{9, 0.5, 8, -0.5}, kToTheRight{0.5, 8, -0.5, 8}, kTurnedLeft{-8, 0.3, 8, 0.3};
+void check_struts(ScriptedHoist& hoist) {
+  ASSERT_EQ(begin(hoist, CalibrationStep::struts), 0U);
+  for (const Struts& motion : {kForward, kToTheRight, kTurnedLeft}) {
+    hold(hoist, kUpright);
+    hold(hoist, motion);
+  }
+}
+void use(ScriptedHoist& hoist) {
+  ASSERT_EQ(calibration(hoist).phase, CalibrationPhase::result) << static_cast<int>(calibration(hoist).reason);
+  ASSERT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U);
+  hold(hoist, kUpright);
+}
+
+// H2, H7, H13: what is mounted wrongly steers the wrong way. So nothing moves before the sides and signs were seen, and again when a part is new.
+TEST(Calibrate, ARealHoistDoesNotStartWithPartsThatNobodyChecked) {
+  contract::Params params;
+  params.calibrated_zero_s = kToday_s;
+  ScriptedHoist hoist(params);
+  hoist.real = true;
+  std::uint32_t serial = 0x1001;
+  hoist.each([&serial](contract::Node, FakeNode& node) { node.serial = serial++; });
+  ASSERT_TRUE(hoist.ready());
+  const std::array checks{check_wheels, check_bumpers, check_struts};
+  const std::array dates{&contract::Params::calibrated_encoders_s, &contract::Params::calibrated_bumpers_s,
+                         &contract::Params::calibrated_struts_s};
+  for (const auto check : checks) {
+    EXPECT_EQ(hoist.ask_mode(Mode::user), refusal_bit(Refusal::parts_unchecked));
+    check(hoist);
+    use(hoist);
+  }
+  for (const auto date : dates) EXPECT_EQ(hoist.state.params.*date, kToday_s);
+  EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
+  EXPECT_EQ(hoist.ask_mode(Mode::standby), 0U);
+  hoist.step(50);
+
+  // The same parts after a break; then another one, and two that changed places.
+  const contract::Params signed_params = hoist.state.params;
+  for (int change = 0; change < 3; ++change) {
+    SCOPED_TRACE(change);
+    ScriptedHoist next(signed_params);
+    next.real = true;
+    serial = 0x1001;
+    next.each([&serial](contract::Node, FakeNode& node) { node.serial = serial++; });
+    if (change == 1) next.io.serial = 0x2000;
+    if (change == 2) std::swap(next.tilt_left.serial, next.tilt_right.serial);
+    ASSERT_TRUE(next.ready());
+    EXPECT_EQ(next.ask_mode(Mode::user), change == 0 ? 0U : refusal_bit(Refusal::parts_unchecked));
+    if (change == 0) continue;
+    // A check counts for the parts it was made with, so the other ones are due again.
+    check_struts(next);
+    use(next);
+    EXPECT_EQ(next.state.params.calibrated_bumpers_s, 0.0);
+    EXPECT_EQ(next.state.params.calibrated_encoders_s, 0.0);
+    EXPECT_EQ(next.ask_mode(Mode::user), refusal_bit(Refusal::parts_unchecked));
+  }
+}
+
+// A part that is exchanged while the hoist is on; and a line that garbles a number once.
+TEST(Calibrate, APartThatIsExchangedWhileTheHoistIsOnIsSeen) {
+  ScriptedHoist hoist;
+  hoist.real = true;
+  hoist.each([](contract::Node, FakeNode& node) { node.serial = 0x77; });
+  ASSERT_TRUE(hoist.ready());
+  const std::uint32_t id = hoist.state.master.nodes_id();
+  for (const bool other : {false, true}) {
+    hoist.drive_left.garbled_sub = 4;
+    hoist.drive_left.garble = 0x100;
+    if (other) hoist.drive_left.serial = 0x78;
+    hoist.drive_left.booted = false;
+    hoist.step(300);
+    ASSERT_TRUE(hoist.state.master.all_running());
+    EXPECT_EQ(hoist.state.master.nodes_id() != id, other);
+  }
+}
+
+// Struts that seem to lean sideways far apart are implausible besides, and stop the step (tilt_implausible).
+TEST(Calibrate, H7EachStrutSensorIsOnItsStrutAndTheRightWayRound) {
+  struct Wrong {
+    Struts forward, right, left;
+    CalibrationReason found;
+  };
+  for (const Wrong& wrong : {
+           Wrong{{-9, 0, 8, 0}, {}, {}, CalibrationReason::left_strut_turned},
+           Wrong{{9, 0, -8, 0}, {}, {}, CalibrationReason::right_strut_turned},
+           Wrong{{-9, 0, -8, 0}, {}, {}, CalibrationReason::bar_other_way},
+           Wrong{{0.5, 0.5, 9, 0}, {}, {}, CalibrationReason::left_strut_askew},
+           Wrong{{9, 0, 0.2, 0.2}, {}, {}, CalibrationReason::right_strut_askew},
+           Wrong{{0, 9, 0, 9}, {}, {}, CalibrationReason::bar_other_way},
+           Wrong{kForward, {0, -8, 0, -8}, {}, CalibrationReason::bar_other_way},
+           Wrong{kForward, kForward, {}, CalibrationReason::bar_other_way},
+           Wrong{kForward, kToTheRight, {8, 0, -8, 0}, CalibrationReason::struts_swapped},
+           Wrong{kForward, kToTheRight, kForward, CalibrationReason::bar_other_way},
+           // What is too small is waited for.
+           Wrong{{5, 0, 5, 0}, {-5, 0, -5, 0}, {5, 5, 5, 5}, CalibrationReason::none},
+       }) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    ASSERT_EQ(begin(hoist, CalibrationStep::struts), 0U);
+    for (const Struts& motion : {wrong.forward, wrong.right, wrong.left}) {
+      hold(hoist, kUpright);
+      hold(hoist, motion);
+      if (calibration(hoist).phase == CalibrationPhase::refused) break;
+    }
+    EXPECT_NE(calibration(hoist).phase, CalibrationPhase::result);
+    EXPECT_EQ(calibration(hoist).reason, wrong.found);
+  }
 }
 
 }  // namespace

@@ -99,7 +99,9 @@ export type ParamName =
   | 'calibrated_track_s'
   | 'calibrated_square_s'
   | 'calibrated_encoders_s'
-  | 'calibrated_bumpers_s';
+  | 'calibrated_bumpers_s'
+  | 'calibrated_struts_s'
+  | 'calibrated_nodes_id';
 
 export interface ParamInfo {
   id: number;
@@ -682,6 +684,18 @@ export const params: readonly ParamInfo[] = [
     edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
     title: { en: 'Bumpers checked', de: 'Stoßfänger geprüft' },
     effect: { en: 'Date of the latest calibration; 0 means never.', de: 'Zeitpunkt der letzten Kalibrierung; 0 heißt nie.' },
+  },
+  {
+    id: 167, name: 'calibrated_struts_s', unit: 's', min: 0, default: 0, max: 253402300799,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: seconds since 1970-01-01 UTC',
+    title: { en: 'Strut sensors checked', de: 'Strebensensoren geprüft' },
+    effect: { en: 'Date of the latest calibration; 0 means never.', de: 'Zeitpunkt der letzten Kalibrierung; 0 heißt nie.' },
+  },
+  {
+    id: 168, name: 'calibrated_nodes_id', unit: '', min: 0, default: 0, max: 4294967295,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'calibration: of the serial numbers of all sensors and drives',
+    title: { en: 'Checked parts', de: 'Geprüfte Teile' },
+    effect: { en: 'Stands for the sensors and drives that were there at the latest check; 0 means none.', de: 'Steht für die Sensoren und Antriebe, die bei der letzten Prüfung da waren; 0 heißt keine.' },
   },
 ];
 

@@ -135,6 +135,7 @@ const shown: readonly string[] = [
   'emergency_stop_open',
   'node_version',
   'not_calibrated',
+  'parts_unchecked',
 ];
 const passing: readonly string[] = [
   'no_answer',

@@ -221,7 +221,7 @@ function Guide({
     <section class="card calibrate-guide">
       <h2>{words(item.title)}</h2>
       <div class={changes !== null && changes.length > 2 ? 'calibrate-step short' : 'calibrate-step'}>
-        <StepPicture step={step} strip={running && step === 'bumpers' && phase === 'operator' ? Math.round(now.value) : null} />
+        <StepPicture step={step} part={running && (step === 'bumpers' || step === 'struts') && phase === 'operator' ? Math.round(now.value) : null} />
         <div class="calibrate-words">
           <p class="calibrate-action">{words(item.action)}</p>
           {running ? (

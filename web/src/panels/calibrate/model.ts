@@ -15,6 +15,7 @@ export const stepNames = [
   'square',
   'encoders',
   'bumpers',
+  'struts',
 ] as const satisfies readonly (CalibrationStep | 'none')[];
 export type StepName = (typeof stepNames)[number];
 export type Phase = CalibrationState['phase'];
@@ -38,14 +39,20 @@ export const stepsFor = (items: readonly CalibrationItem[], role: string): Calib
 
 const bumperKeys: readonly TextKey[] = ['calibrate.press.front', 'calibrate.press.rear', 'calibrate.press.left', 'calibrate.press.right'];
 
+const strutKeys: readonly TextKey[] = ['calibrate.now.strutsForward', 'calibrate.now.strutsRight', 'calibrate.now.strutsLeft'];
+
 /** The present instruction. Null: the step's own text. */
 export function nowKey(now: Now): TextKey | null {
   if (now.phase === 'result') return 'calibrate.now.result';
   if (now.phase === 'refused') return null;
-  if (now.phase === 'resting') return now.step === 'neutral' ? 'calibrate.now.standStill' : 'calibrate.now.rest';
+  if (now.phase === 'resting') {
+    if (now.step === 'struts') return 'calibrate.now.strutsBack';
+    return now.step === 'neutral' ? 'calibrate.now.standStill' : 'calibrate.now.rest';
+  }
   if (now.phase === 'measuring') return 'calibrate.now.measuring';
   if (now.phase !== 'operator') return null;
   if (now.step === 'bumpers') return bumperKeys[Math.min(3, Math.max(0, Math.round(now.value)))]!;
+  if (now.step === 'struts') return strutKeys[Math.min(2, Math.max(0, Math.round(now.value)))]!;
   if (now.step === 'encoders') return now.done_percent < 50 ? 'calibrate.now.pushForward' : 'calibrate.now.turnLeft';
   const second = now.done_percent >= 50;
   // A bar is held at three places: two forward, the last one backward.

@@ -41,7 +41,7 @@ function Above({ turned = 0 }: { turned?: number }) {
   );
 }
 
-export function StepPicture({ step, strip }: { step: StepName; strip: number | null }) {
+export function StepPicture({ step, part }: { step: StepName; part: number | null }) {
   const strips = ['M-40-72H40', 'M-40 72H40', 'M-74-40V40', 'M74-40V40'];
   return (
     <svg class="calibrate-picture" viewBox="-92 -96 184 176" aria-hidden="true">
@@ -53,8 +53,15 @@ export function StepPicture({ step, strip }: { step: StepName; strip: number | n
           <circle class="p-limit p-none" r="30" />
         </g>
       ) : null}
-      {step === 'strut_length' ? <Side lean={0.26} both /> : null}
-      {step === 'strut_spacing' ? (
+      {step === 'strut_length' || (step === 'struts' && (part ?? 0) === 0) ? <Side lean={0.26} both /> : null}
+      {step === 'struts' && part === 1 ? (
+        <g>
+          <Above />
+          <path class="p-bar" d="M-22 0H58" />
+          <path class="p-arrow thin" d="M-10-24H34M24-34 35-24 24-14" />
+        </g>
+      ) : null}
+      {step === 'strut_spacing' || (step === 'struts' && part === 2) ? (
         <g>
           <Above turned={-22} />
           <path class="p-arrow thin" d="M44-14A46 46 0 0 0 24-40M36-41 23-41 24-28" />
@@ -85,7 +92,7 @@ export function StepPicture({ step, strip }: { step: StepName; strip: number | n
         <g>
           <Above />
           {strips.map((d, i) => (
-            <path key={d} class={i === strip ? 'p-strip on' : 'p-strip'} d={d} />
+            <path key={d} class={i === part ? 'p-strip on' : 'p-strip'} d={d} />
           ))}
         </g>
       ) : null}
