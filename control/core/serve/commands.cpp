@@ -92,6 +92,15 @@ Verdict check_set(const CoreState& state, const Staging& set, contract::Role rol
   }
   if (contract::check_param_set(next) != nullptr || contract::check_param_set(later) != nullptr)
     verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+  for (const contract::ParamRoom& room : contract::kParamRooms) {
+    for (const Staging::Row& row : set.rows) {
+      const contract::ParamInfo& info = contract::kParams[row.index];
+      const bool about = row.index == contract::param_index(room.smaller) || row.index == contract::param_index(room.larger);
+      if (!about || (contract::leaves_room(room, next) && contract::leaves_room(room, later))) continue;
+      if (verdict.item == 0) verdict.item = info.id;
+      verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+    }
+  }
   return verdict;
 }
 
