@@ -226,6 +226,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->body_limit(kImageLimit_bytes);
     body_limit_ = kImageLimit_bytes;
     in_header_ = true;
+    header_bytes_ = 0;
     limit_time(seconds);
     reading_ = true;
     read_on();
@@ -236,7 +237,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     while (is_open()) {
       if (buffer_.size() > 0) {
         beast::error_code error;
-        buffer_.consume(parser_->put(buffer_.cdata(), error));
+        const std::size_t parsed = parser_->put(buffer_.cdata(), error);
+        buffer_.consume(parsed);
+        if (in_header_ && is_header_too_large(parsed, error)) error = http::error::header_limit;
         if (error && error != http::error::need_more) return end_reading(error);
         if (!error && (in_header_ ? parser_->is_header_done() : parser_->is_done())) return end_reading({});
         if (!error && buffer_.size() > 0) continue;
@@ -255,6 +258,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
       });
       return;
     }
+  }
+
+  // The parser's own limit holds for what it gets at once: of a header that comes in parts it forgets the fields that it has parsed.
+  bool is_header_too_large(std::size_t parsed, beast::error_code error) {
+    header_bytes_ += parsed;
+    const bool goes_on = error == http::error::need_more;
+    return (!error || goes_on) && header_bytes_ + (goes_on ? buffer_.size() : 0) > kHeaderLimit_bytes;
   }
 
   Stream::Taken read_some(std::size_t most) {
@@ -596,6 +606,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Request request_;        // what its header says; the body follows
   bool readable_ = false;  // its target
   bool in_header_ = true;  // being read; else the body
+  std::size_t header_bytes_ = 0;
   std::string outgoing_;
   std::size_t written_ = 0;              // of it
   void (*then_)(Connection&) = nullptr;  // when all of it is

@@ -28,6 +28,32 @@ TEST_F(Limits, HeaderAndBodySizes_H30) {
   EXPECT_TRUE(raw(chunked + "0\r\n\r\n").starts_with("HTTP/1.1 413"));
 }
 
+// However a client cuts its request into packets: the same answer, and the same limit of the header.
+TEST_F(Limits, AHeaderInPartsIsLikeAWholeOne_H30) {
+  const auto in_parts = [&](const std::string& bytes, std::size_t part) {
+    Raw socket(port_);
+    for (std::size_t at = 0; at < bytes.size() && socket.send(bytes.substr(at, part)); at += part) continue;
+    return socket.read_to_end().substr(0, 12);
+  };
+  // Fields of 64 bytes each, so that a read ends with a field, whatever packets come together.
+  const auto request = [&](std::size_t header_bytes) {
+    std::string text = "GET / HTTP/1.1\r\n" + host() + "Connection: close\r\n";
+    text += "X: " + std::string(128 - text.size() - 5, 'x') + "\r\n";
+    while (text.size() + 64 <= header_bytes - 2) text += "X: " + std::string(59, 'x') + "\r\n";
+    text.insert(text.size() - 2, header_bytes - 2 - text.size(), 'x');
+    return text + "\r\n";
+  };
+  for (const std::size_t part : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{4096}, std::size_t{1} << 20U}) {
+    EXPECT_EQ(in_parts(request(server::kHeaderLimit_bytes), part), "HTTP/1.1 200") << part;
+    EXPECT_EQ(in_parts(request(server::kHeaderLimit_bytes + 1), part), "HTTP/1.1 431") << part;
+  }
+  EXPECT_EQ(in_parts(request(1024 * 1024), 64), "HTTP/1.1 431") << "one that never ends";
+  EXPECT_EQ(in_parts("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Authorization: " + bearer_[0].second +
+                         "\r\nConnection: close\r\nContent-Length: 2\r\n\r\n{}",
+                     1),
+            "HTTP/1.1 200");
+}
+
 TEST_F(Limits, MalformedRequestsAreAnsweredOrClosed_H30) {
   for (const std::string& bad : {std::string("\r\n\r\nnonsense\r\n\r\n"), std::string("GET\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"),
                                  std::string("GET / HTTP/1.1\r\nbroken header\r\n\r\n"),
