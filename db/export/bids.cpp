@@ -114,6 +114,40 @@ class MotionTsv {
   std::int64_t begin_ns_ = 0;
 };
 
+// The table of events, row by row. Times count from the first sample, which is time 0 of all channels.
+class EventsTsv {
+ public:
+  EventsTsv(Database& database, const SessionInfo& info) : source_(database, info, {}), begin_ns_(source_.start_ns()), moments_(source_) {
+    if (source_.next_samples(std::array{source_.time_column}) && !source_.values[0].empty()) begin_ns_ = source_.values[0].front();
+  }
+  bool next(std::string& out) {
+    if (!std::exchange(head_written_, true)) out += "onset\tduration\ttrial_type\tname\tvalue\n";
+    for (std::size_t i = 0; i < kRowsPerPiece; ++i) {
+      const auto moment = moments_.next();
+      if (!moment) return false;
+      row(out, *moment);
+    }
+    return true;
+  }
+
+ private:
+  // A marker's text may name a person; a marker has the time of its step.
+  void row(std::string& out, const Moments::Moment& moment) {
+    const json event = moment_json(moment);
+    const std::int64_t time_ns = moment.event != nullptr ? static_cast<std::int64_t>(moment.event->time_ns)
+                                                         : source_.time_of_tick(static_cast<std::int64_t>(moment.tick));
+    std::array<char, kMaxNumber_chars> digits;
+    out.append(digits.data(), print_fixed(digits.data(), microseconds_since(begin_ns_, time_ns), kSeconds_decimals));
+    out += "\t0\t" + cell(event["kind"].get<std::string>()) + "\t" + cell(event["name"].get<std::string>()) + "\t" +
+           (event["value"].is_null() ? "n/a" : dumped(event["value"])) + "\n";
+  }
+
+  ExportSource source_;
+  std::int64_t begin_ns_;
+  Moments moments_;
+  bool head_written_ = false;
+};
+
 class BidsPlan : public BundlePlan {
  public:
   BidsPlan(Database& database, const std::vector<SessionId>& sessions) : database_(database) {
@@ -185,7 +219,14 @@ class BidsPlan : public BundlePlan {
     };
     files.push_back(with_source(stem + "_motion.json", [task = place.task](ExportSource& source) { return sidecar(source, task); }));
     files.push_back(with_source(stem + "_channels.tsv", channels));
-    files.push_back(with_source(stem + "_events.tsv", events));
+    BundleFile events;
+    events.name = stem + "_events.tsv";
+    events.utc_ns = info.started_utc_ns;
+    events.open = [&database = database_, info] {
+      auto rows = std::make_shared<EventsTsv>(database, info);
+      return [rows](std::string& out) { return rows->next(out); };
+    };
+    files.push_back(std::move(events));
     files.push_back(with_source(stem + "_manifest.json", [](ExportSource& source) {
       json manifest = manifest_json(source);
       manifest["session"].erase("note");
@@ -252,24 +293,6 @@ class BidsPlan : public BundlePlan {
            {std::string_view(column.name), channel.component, channel.type, std::string_view(channel.point), std::string_view(column.unit)})
         out += cell(text) + "\t";
       out += cell(doc) + "\n";
-    }
-    return out;
-  }
-
-  static std::string events(ExportSource& source) {
-    // The first sample is time 0 of all channels.
-    std::int64_t begin_ns = source.start_ns();
-    if (source.next_samples(std::array{source.time_column}) && !source.values[0].empty()) begin_ns = source.values[0].front();
-    std::string out = "onset\tduration\ttrial_type\tname\tvalue\n";
-    for (const json& event : events_and_markers(source)) {
-      // A marker's text may name a person; a marker has the time of its step.
-      const bool marker = event["time_ns"].is_null();
-      const auto tick = event["tick"].get<std::int64_t>();
-      const std::int64_t time_ns = marker ? source.time_of_tick(tick) : event["time_ns"].get<std::int64_t>();
-      std::array<char, kMaxNumber_chars> digits;
-      out.append(digits.data(), print_fixed(digits.data(), microseconds_since(begin_ns, time_ns), kSeconds_decimals));
-      out += "\t0\t" + cell(event["kind"].get<std::string>()) + "\t" + cell(event["name"].get<std::string>()) + "\t" +
-             (event["value"].is_null() ? "n/a" : dumped(event["value"])) + "\n";
     }
     return out;
   }

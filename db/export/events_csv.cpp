@@ -1,6 +1,6 @@
 // Events and markers as CSV: '#' lines, names, then one row each. Texts are quoted and cannot start a formula.
-#include <algorithm>
 #include <array>
+#include <optional>
 
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
@@ -20,22 +20,22 @@ class EventsWriter : public FormatWriter {
   explicit EventsWriter(ExportSource& source) : source_(source) {}
 
   bool next(std::string& out) override {
-    if (std::exchange(written_, true)) return false;
-    if (source_.options.comments) out += manifest_lines(source_);
-    out += "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n";
-    std::vector<Line> lines;
-    for (const StoredEvent& event : source_.events()) lines.push_back({event.tick, line_of(event)});
-    for (const Marker& marker : source_.markers()) lines.push_back({marker.tick, line_of(marker)});
-    std::ranges::stable_sort(lines, {}, &Line::tick);
-    for (const Line& line : lines) out += line.text + "\n";
+    if (!moments_) {
+      moments_.emplace(source_);
+      if (source_.options.comments) out += manifest_lines(source_);
+      out += "utc,time_s,tick,kind,name,code,bits,item,value,before,request_id,user,role,origin,client,text\n";
+      return true;
+    }
+    for (std::size_t line = 0; line < kLinesPerPiece; ++line) {
+      const auto moment = moments_->next();
+      if (!moment) return line > 0;
+      out += (moment->event != nullptr ? line_of(*moment->event) : line_of(*moment->marker)) + "\n";
+    }
     return true;
   }
 
  private:
-  struct Line {
-    std::uint64_t tick;
-    std::string text;
-  };
+  static constexpr std::size_t kLinesPerPiece = 256;
   std::string stamp(std::int64_t utc_ns, std::int64_t micros) {
     std::array<char, 2 * kMaxNumber_chars> text;
     char* at = utc_.print(text.data(), utc_ns);
@@ -58,7 +58,7 @@ class EventsWriter : public FormatWriter {
 
   ExportSource& source_;
   UtcPrinter utc_;
-  bool written_ = false;
+  std::optional<Moments> moments_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "db/export/fixed_point.hpp"
 #include "db/export/manifest.hpp"
@@ -32,6 +33,11 @@ class JsonExport : public FormatWriter {
         return true;
       case Step::body:
         if (body(out)) return true;
+        step_ = Step::events;
+        figures(out);
+        return true;
+      case Step::events:
+        if (events(out)) return true;
         step_ = Step::over;
         tail(out);
         return true;
@@ -42,7 +48,7 @@ class JsonExport : public FormatWriter {
   }
 
  private:
-  enum class Step : std::uint8_t { head, body, over };
+  enum class Step : std::uint8_t { head, body, events, over };
 
   void head(std::string& out) {
     manifest_ = manifest_json(source_);
@@ -101,20 +107,39 @@ class JsonExport : public FormatWriter {
     if (source_.row >= numbers.size()) source_.chunk.reset();
   }
 
+  static json row_of(const StoredEvent& event) {
+    return {{"tick", event.tick},
+            {"time_ns", event.time_ns},
+            {"kind", event.kind_name},
+            {"name", event.name},
+            {"code", event.code},
+            {"bits", event.bits},
+            {"item", event.item},
+            {"value", finite(event.value)},
+            {"before", finite(event.before)},
+            {"request_id", event.request_id},
+            {"actor", actor_json(event.actor)}};
+  }
+
+  void figures(std::string& out) {
+    // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
+    json figures = nullptr;
+    if (!source_.info.recording)
+      if (Result<json> told = session_metrics_json(source_.database, source_.info.id)) figures = std::move(*told);
+    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest_["gaps"]) + ",\n\"events\":[";
+  }
+
+  // A few at a time; false at the end.
+  bool events(std::string& out) {
+    const std::vector<StoredEvent> some = source_.events_after(last_event_.value_or(-1));
+    for (const StoredEvent& event : some) {
+      out += (last_event_ ? "," : "") + dumped(row_of(event));
+      last_event_ = event.number;
+    }
+    return !some.empty();
+  }
+
   void tail(std::string& out) {
-    json event_rows = json::array();
-    for (const StoredEvent& event : source_.events())
-      event_rows.push_back({{"tick", event.tick},
-                            {"time_ns", event.time_ns},
-                            {"kind", event.kind_name},
-                            {"name", event.name},
-                            {"code", event.code},
-                            {"bits", event.bits},
-                            {"item", event.item},
-                            {"value", finite(event.value)},
-                            {"before", finite(event.before)},
-                            {"request_id", event.request_id},
-                            {"actor", actor_json(event.actor)}});
     json marker_rows = json::array();
     for (const Marker& marker : source_.markers())
       marker_rows.push_back({{"tick", marker.tick},
@@ -124,12 +149,7 @@ class JsonExport : public FormatWriter {
                              {"actor", actor_json(marker.actor)}});
     json parameter_rows = json::object();
     for (const auto& [name, parameter] : manifest_["parameters"].items()) parameter_rows[name] = parameter["value"];
-    // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
-    json figures = nullptr;
-    if (!source_.info.recording)
-      if (Result<json> told = session_metrics_json(source_.database, source_.info.id)) figures = std::move(*told);
-    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest_["gaps"]) + ",\n\"events\":" + dumped(event_rows) +
-           ",\n\"markers\":" + dumped(marker_rows) + ",\n\"parameters\":" + dumped(parameter_rows) +
+    out += "],\n\"markers\":" + dumped(marker_rows) + ",\n\"parameters\":" + dumped(parameter_rows) +
            ",\n\"manifest\":" + dumped(manifest_) + "}\n";
   }
 
@@ -138,6 +158,7 @@ class JsonExport : public FormatWriter {
   Step step_ = Step::head;
   std::size_t column_ = 0;
   bool first_number_ = true, name_written_ = false;
+  std::optional<std::int64_t> last_event_;
 };
 
 }  // namespace

@@ -76,7 +76,7 @@ json changes_of(const ExportSource& source) {
   using contract::InEffect;
   json rows = json::array();
   std::map<std::string, std::size_t> on_its_way;  // row of the newest change, by parameter
-  for (const StoredEvent& event : source.events()) {
+  source.each_event([&](const StoredEvent& event) {
     const double time_s = seconds_of(source, static_cast<std::int64_t>(event.time_ns));
     if (event.kind_name == contract::event_name(contract::EventKind::parameter_changed)) {
       on_its_way.erase(event.name);
@@ -89,41 +89,27 @@ json changes_of(const ExportSource& source) {
                       {"before", finite(event.before)},
                       {"unit", unit_of(event.name)}});
     }
-    if (event.kind_name != contract::event_name(contract::EventKind::parameter_settled)) continue;
+    if (event.kind_name != contract::event_name(contract::EventKind::parameter_settled)) return;
     if (const auto change = on_its_way.find(event.name); change != on_its_way.end()) {
       rows[change->second]["in_effect_s"] = time_s;
       on_its_way.erase(change);
     }
-  }
+  });
   return rows;
 }
 
 }  // namespace
 
-json events_and_markers(const ExportSource& source) {
-  std::vector<json> rows;
-  for (const StoredEvent& event : source.events())
-    rows.push_back({{"tick", event.tick},
-                    {"time_ns", event.time_ns},
-                    {"kind", event.kind_name},
-                    {"name", event.name},
-                    {"code", event.code},
-                    {"item", event.item},
-                    {"value", finite(event.value)},
-                    {"before", finite(event.before)},
-                    {"text", ""}});
-  for (const Marker& marker : source.markers())
-    rows.push_back({{"tick", marker.tick},
-                    {"time_ns", nullptr},
-                    {"kind", "marker"},
-                    {"name", marker.kind},
-                    {"code", 0},
-                    {"item", 0},
-                    {"value", nullptr},
-                    {"before", nullptr},
-                    {"text", marker.text}});
-  std::ranges::stable_sort(rows, {}, [](const json& row) { return row["tick"].get<std::uint64_t>(); });
-  return rows;
+json moment_json(const Moments::Moment& moment) {
+  if (moment.event != nullptr) {
+    const StoredEvent& event = *moment.event;
+    return {{"tick", event.tick}, {"time_ns", event.time_ns}, {"kind", event.kind_name},      {"name", event.name},
+            {"code", event.code}, {"item", event.item},       {"value", finite(event.value)}, {"before", finite(event.before)},
+            {"text", ""}};
+  }
+  const Marker& marker = *moment.marker;
+  return {{"tick", marker.tick}, {"time_ns", nullptr}, {"kind", "marker"},  {"name", marker.kind}, {"code", 0},
+          {"item", 0},           {"value", nullptr},   {"before", nullptr}, {"text", marker.text}};
 }
 
 std::string dumped(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }

@@ -16,9 +16,9 @@ namespace hoist::db {
 nlohmann::json manifest_json(const ExportSource& source);
 /// The '#' lines without those about columns. Each is an RFC 4180 record `# key,value`, on one line also when its text holds line breaks.
 std::string manifest_lines(const ExportSource& source, char separator = ',');
-/// Events and markers in the order of their ticks: [{"tick", "time_ns", "kind", "name", "code", "item", "value", "before", "text"}]. A marker is of
-/// the kind "marker", has its own kind as name, a text, and no time by the steady clock: null.
-nlohmann::json events_and_markers(const ExportSource& source);
+/// {"tick", "time_ns", "kind", "name", "code", "item", "value", "before", "text"}. A marker is of the kind "marker", has its own kind as name, a
+/// text, and no time by the steady clock: null.
+nlohmann::json moment_json(const Moments::Moment& moment);
 /// As one line; broken UTF-8 of a foreign file is replaced.
 std::string dumped(const nlohmann::json& value);
 

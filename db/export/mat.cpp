@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "control/contract/program_version.hpp"
 #include "db/export/manifest.hpp"
@@ -73,10 +74,12 @@ class MatWriter : public FormatWriter {
       piece(out);
       return true;
     }
-    if (std::exchange(texts_written_, true)) return false;
-    text(out, "manifest", dumped_ascii(manifest_json(source_)));
-    text(out, "events", dumped_ascii(events_and_markers(source_)));
-    return true;
+    if (!moments_) {
+      text(out, "manifest", dumped_ascii(manifest_json(source_)));
+      begin_events(out);
+      return true;
+    }
+    return events(out);
   }
 
  private:
@@ -92,13 +95,44 @@ class MatWriter : public FormatWriter {
     out.append("\0\1IM", 4);  // version, byte order
   }
 
-  static void text(std::string& out, std::string_view name, const std::string& ascii) {
-    begin_variable(out, name, kChars, 1, static_cast<std::uint32_t>(ascii.size()), kUint16, 2 * ascii.size());
+  static void characters(std::string& out, std::string_view ascii) {
     for (const char c : ascii) {
       out += c;
       out += '\0';
     }
+  }
+  static void text(std::string& out, std::string_view name, const std::string& ascii) {
+    begin_variable(out, name, kChars, 1, static_cast<std::uint32_t>(ascii.size()), kUint16, 2 * ascii.size());
+    characters(out, ascii);
     pad(out, 2 * ascii.size());
+  }
+
+  // [event,event,…]: read twice, since the length stands in front.
+  void begin_events(std::string& out) {
+    std::uint64_t rows = 0;
+    events_size_ = 2;
+    Moments all(source_);
+    while (const auto moment = all.next()) events_size_ += dumped_ascii(moment_json(*moment)).size() + (rows++ > 0 ? 1 : 0);
+    begin_variable(out, "events", kChars, 1, static_cast<std::uint32_t>(events_size_), kUint16, 2 * events_size_);
+    characters(out, "[");
+    written_ = 1;
+    moments_.emplace(source_);
+  }
+  bool events(std::string& out) {
+    if (events_over_) return false;
+    constexpr int kEventsPerPiece = 256;
+    for (int i = 0; i < kEventsPerPiece; ++i) {
+      const auto moment = moments_->next();
+      const std::string row = moment ? (written_ > 1 ? "," : "") + dumped_ascii(moment_json(*moment)) : "]";
+      characters(out, row);
+      written_ += row.size();
+      if (moment) continue;
+      events_over_ = true;
+      if (written_ != events_size_) fail_changed();
+      pad(out, 2 * written_);
+      break;
+    }
+    return true;
   }
 
   void piece(std::string& out) {
@@ -135,18 +169,22 @@ class MatWriter : public FormatWriter {
 
   // The length stands in front of the data: a session that has lost samples meanwhile cannot be finished.
   void end_variable(std::string& out, const Kind& kind) {
-    if (written_ != source_.sample_count)
-      throw SqlFailure{Error{ErrorKind::corrupt, "session " + std::to_string(source_.info.id) + " changed during its export", {}}};
+    if (written_ != source_.sample_count) fail_changed();
     pad(out, written_ * kind.size);
     source_.rewind();
     begun_ = false;
     ++column_;
   }
 
+  [[noreturn]] void fail_changed() const {
+    throw SqlFailure{Error{ErrorKind::corrupt, "session " + std::to_string(source_.info.id) + " changed during its export", {}}};
+  }
+
   ExportSource& source_;
   std::size_t column_ = 0;
-  std::uint64_t written_ = 0;
-  bool head_written_ = false, begun_ = false, texts_written_ = false;
+  std::uint64_t written_ = 0, events_size_ = 0;
+  std::optional<Moments> moments_;
+  bool head_written_ = false, begun_ = false, events_over_ = false;
 };
 
 }  // namespace

@@ -37,7 +37,7 @@ struct RosColumn {
 
 class McapExport : public FormatWriter {
  public:
-  explicit McapExport(ExportSource& source) : source_(source) {
+  explicit McapExport(ExportSource& source) : source_(source), file_(source.database.file().parent_path()) {
     for (const std::size_t c : source.chosen) needed(c);
 #define HOIST_ROS_VALUE(name) ros_value(#name, &ros::Sample::name);
     HOIST_ROS_VALUES(HOIST_ROS_VALUE)
@@ -55,9 +55,11 @@ class McapExport : public FormatWriter {
         return true;
       case Step::body:
         if (samples(out)) return true;
-        step_ = Step::over;
+        step_ = Step::summary;
         events_until(out, ~std::uint64_t{0}, last_utc_ns_.value_or(source_.info.started_utc_ns));
-        file_.end(out);
+        return true;
+      case Step::summary:
+        if (!file_.end(out)) step_ = Step::over;
         return true;
       case Step::over:
         break;
@@ -66,12 +68,7 @@ class McapExport : public FormatWriter {
   }
 
  private:
-  enum class Step : std::uint8_t { head, body, over };
-  struct Told {
-    std::uint64_t tick;
-    std::optional<std::int64_t> utc_ns;  // nothing: that of its sample
-    std::string text;
-  };
+  enum class Step : std::uint8_t { head, body, summary, over };
 
   // The place of a column in `values`.
   std::size_t needed(std::size_t column) {
@@ -108,7 +105,7 @@ class McapExport : public FormatWriter {
                     {"controlled_by", program("controlled_by")},
                     {"layout_hash", manifest["layout_hash"].get<std::string>()}});
     channels(manifest);
-    gather_events();
+    moments_.emplace(source_);
   }
 
   void channels(const json& manifest) {
@@ -134,17 +131,14 @@ class McapExport : public FormatWriter {
     }
   }
 
-  void gather_events() {
-    for (json& told : events_and_markers(source_)) {
-      const json time = told["time_ns"];
-      told.erase("time_ns");
-      const auto utc_ns = time.is_null() ? std::nullopt : std::optional(source_.even_utc_of(time.get<std::int64_t>()));
-      told_.push_back({told["tick"].get<std::uint64_t>(), utc_ns, dumped(told)});
-    }
-  }
+  // A marker has the time of its sample.
   void events_until(std::string& out, std::uint64_t tick, std::int64_t utc_ns) {
-    for (; next_told_ < told_.size() && told_[next_told_].tick <= tick; ++next_told_)
-      file_.message(out, events_, static_cast<std::uint64_t>(told_[next_told_].utc_ns.value_or(utc_ns)), told_[next_told_].text);
+    while (const auto moment = moments_->next(tick)) {
+      json told = moment_json(*moment);
+      told.erase("time_ns");
+      const std::int64_t at_ns = moment->event != nullptr ? source_.even_utc_of(static_cast<std::int64_t>(moment->event->time_ns)) : utc_ns;
+      file_.message(out, events_, static_cast<std::uint64_t>(at_ns), dumped(told));
+    }
   }
 
   bool samples(std::string& out) {
@@ -211,8 +205,7 @@ class McapExport : public FormatWriter {
   ros::Geometry geometry_;
   std::uint16_t record_ = 0, events_ = 0;
   std::array<std::uint16_t, ros::kTopicCount> ros_channels_{};
-  std::vector<Told> told_;
-  std::size_t next_told_ = 0;
+  std::optional<Moments> moments_;
   std::string text_;
 };
 

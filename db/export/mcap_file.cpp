@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "db/store/sqlite.hpp"
 
@@ -14,6 +15,8 @@ namespace hoist::db {
 namespace {
 
 constexpr std::size_t kChunk_bytes = 1'000'000;
+// Rows of the summary that are kept in memory before they go to the file.
+constexpr std::size_t kKept_bytes = 32 * 1024;
 // The decoder's memory stays small, and an hour is written in seconds.
 constexpr int kZstdLevel = 3;
 constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
@@ -45,6 +48,11 @@ void number(std::string& out, Value value) {
 }
 void text(std::string& out, std::string_view value) {
   number(out, static_cast<std::uint32_t>(value.size()));
+  out += value;
+}
+// With a length of 64 bits in front, as records have it.
+void text64(std::string& out, std::string_view value) {
+  number(out, static_cast<std::uint64_t>(value.size()));
   out += value;
 }
 std::uint32_t crc_of(std::uint32_t crc, std::string_view bytes) {
@@ -174,7 +182,7 @@ void McapFile::flush(std::string& out) {
   if (ZSTD_isError(size) != 0) throw SqlFailure{Error{ErrorKind::internal, "zstd failed", {}}};
   packed.resize(size);
 
-  const bool first = chunk_indexes_.empty();
+  const bool first = chunks_ == 0;
   from_ns_ = first ? chunk_from_ns_ : std::min(from_ns_, chunk_from_ns_);
   to_ns_ = first ? chunk_to_ns_ : std::max(to_ns_, chunk_to_ns_);
   std::string content, index;
@@ -203,53 +211,106 @@ void McapFile::flush(std::string& out) {
   text(index, kCompression);
   number(index, static_cast<std::uint64_t>(packed.size()));
   number(index, static_cast<std::uint64_t>(chunk_.size()));
-  chunk_indexes_.push_back(std::move(index));
+  keep_chunk_index(index);
   chunk_.clear();
   index_.clear();
 }
 
-void McapFile::group(std::string& out, std::string& offsets, std::uint8_t opcode, const std::vector<std::string>& contents) {
-  if (contents.empty()) return;
-  const std::uint64_t begin = position_;
-  for (const std::string& content : contents) record(out, opcode, content);
+// A disk that takes nothing is no reason to fail: the rows stay in memory then.
+void McapFile::keep_chunk_index(std::string_view content) {
+  ++chunks_;
+  kept_ += static_cast<char>(kChunkIndex);
+  text64(kept_, content);
+  if (kept_.size() < kKept_bytes || spool_over_) return;
+  std::error_code none;
+  for (const std::filesystem::path& folder : {folder_, std::filesystem::temp_directory_path(none)})
+    if (!spool_)
+      if (auto made = SpoolFile::create(folder)) spool_ = std::move(*made);
+  spool_over_ = !spool_ || !spool_->append(kept_);
+  if (spool_over_) return;
+  spooled_ += kept_.size();
+  kept_.clear();
+}
+
+void McapFile::add_offset(std::uint8_t opcode, std::uint64_t begin) {
+  if (position_ == begin) return;
   std::string offset(1, static_cast<char>(opcode));
   number(offset, begin);
   number(offset, position_ - begin);
-  offsets += static_cast<char>(kSummaryOffset);
-  number(offsets, static_cast<std::uint64_t>(offset.size()));
-  offsets += offset;
+  offsets_ += static_cast<char>(kSummaryOffset);
+  text64(offsets_, offset);
 }
 
-void McapFile::end(std::string& out) {
+void McapFile::group(std::string& out, std::uint8_t opcode, const std::vector<std::string>& contents) {
+  const std::uint64_t begin = position_;
+  for (const std::string& content : contents) record(out, opcode, content);
+  add_offset(opcode, begin);
+}
+
+bool McapFile::end(std::string& out) {
+  switch (ending_) {
+    case Ending::data:
+      begin_summary(out);
+      ending_ = Ending::chunk_indexes;
+      return true;
+    case Ending::chunk_indexes:
+      if (chunk_indexes(out)) return true;
+      end_summary(out);
+      ending_ = Ending::over;
+      break;
+    case Ending::over:
+      break;
+  }
+  return false;
+}
+
+void McapFile::begin_summary(std::string& out) {
   flush(out);
   std::string content;
   number(content, crc_);
   record(out, kDataEnd, content);
 
-  const std::uint64_t summary_begin = position_;
+  summary_begin_ = position_;
   crc_ = 0;
-  std::string statistics, offsets;
+  std::string statistics;
   std::uint64_t messages = 0;
   for (const auto& [channel, count] : counts_) messages += count;
   number(statistics, messages);
   number(statistics, static_cast<std::uint16_t>(schemas_.size()));
-  for (const std::size_t count : {channels_.size(), attachment_indexes_.size(), metadata_indexes_.size(), chunk_indexes_.size()})
+  for (const std::size_t count : {channels_.size(), attachment_indexes_.size(), metadata_indexes_.size(), std::size_t{chunks_}})
     number(statistics, static_cast<std::uint32_t>(count));
   number(statistics, from_ns_);
   number(statistics, to_ns_);
   pairs(statistics, counts_);
-  group(out, offsets, kSchema, schemas_);
-  group(out, offsets, kChannel, channels_);
-  group(out, offsets, kStatistics, {statistics});
-  group(out, offsets, kChunkIndex, chunk_indexes_);
-  group(out, offsets, kAttachmentIndex, attachment_indexes_);
-  group(out, offsets, kMetadataIndex, metadata_indexes_);
+  group(out, kSchema, schemas_);
+  group(out, kChannel, channels_);
+  group(out, kStatistics, {statistics});
+  indexes_begin_ = position_;
+}
+
+bool McapFile::chunk_indexes(std::string& out) {
+  if (told_ < spooled_) {
+    const Result<std::string> some = spool_->read(told_, std::min<std::uint64_t>(kKept_bytes, spooled_ - told_));
+    if (!some) throw SqlFailure{some.error()};
+    if (some->empty()) throw SqlFailure{Error{ErrorKind::io, "the export's summary could not be read back", {}}};
+    told_ += some->size();
+    put(out, *some);
+    return true;
+  }
+  put(out, kept_);
+  add_offset(kChunkIndex, indexes_begin_);
+  return false;
+}
+
+void McapFile::end_summary(std::string& out) {
+  group(out, kAttachmentIndex, attachment_indexes_);
+  group(out, kMetadataIndex, metadata_indexes_);
   const std::uint64_t offsets_begin = position_;
-  put(out, offsets);
+  put(out, offsets_);
   // The checksum of the summary covers the footer up to itself.
   std::string footer(1, static_cast<char>(kFooter));
   number(footer, std::uint64_t{20});
-  number(footer, summary_begin);
+  number(footer, summary_begin_);
   number(footer, offsets_begin);
   put(out, footer);
   std::string last;

@@ -37,10 +37,13 @@ std::unique_ptr<FormatWriter> writer_of(ExportSource& source) {
 }
 // Of everything that the bytes follow from: a stored sample never changes, and the manifest names the rest.
 std::string etag_of(const ExportSource& source) {
-  std::string text = std::string(export_format_info(source.options.format).name) + dumped(manifest_json(source)) +
-                     dumped(events_and_markers(source)) + std::to_string(source.last_tick);
+  std::string text =
+      std::string(export_format_info(source.options.format).name) + dumped(manifest_json(source)) + std::to_string(source.last_tick);
   for (const bool option : {source.options.comments, source.options.constant}) text += option ? '1' : '0';
-  return '"' + layout_text(contract::hash_bytes(contract::kHashStart, text)) + '"';
+  std::uint64_t hash = contract::hash_bytes(contract::kHashStart, text);
+  Moments moments(source);
+  while (const auto moment = moments.next()) hash = contract::hash_bytes(hash, dumped(moment_json(*moment)));
+  return '"' + layout_text(hash) + '"';
 }
 }  // namespace
 

@@ -46,6 +46,8 @@ ExportSource::ExportSource(Database& session_database, SessionInfo session_info,
     sample_count = newest.unsigned_at(1);
     any_samples = true;
   }
+  Statement newest_event(database.handle(), "SELECT coalesce(max(number), -1) FROM events WHERE session_id = ?1");
+  if (newest_event.integer(1, info.id).step()) last_event_ = newest_event.integer_at(0);
 }
 
 Status ExportSource::choose() {
@@ -128,10 +130,33 @@ std::vector<ColumnRange> ExportSource::ranges() {
   return range;
 }
 
-std::vector<StoredEvent> ExportSource::events() const { return or_throw(reader_.events(info.id)); }
+std::vector<StoredEvent> ExportSource::events_after(std::int64_t after) const {
+  constexpr std::int64_t kAtOnce = 256;
+  std::vector<StoredEvent> some = or_throw(reader_.events(info.id, {.after = after, .limit = kAtOnce}));
+  std::erase_if(some, [this](const StoredEvent& event) { return event.number > last_event_; });
+  return some;
+}
 std::vector<Marker> ExportSource::markers() const { return or_throw(reader_.markers(info.id)); }
 std::vector<Gap> ExportSource::gaps() const { return or_throw(reader_.gaps(info.id)); }
 std::vector<std::pair<std::string, double>> ExportSource::parameters() const { return or_throw(reader_.parameters(info.id)); }
+
+Moments::Moments(const ExportSource& source) : source_(&source), markers_(source.markers()), events_(source.events_after(-1)) {
+  std::ranges::stable_sort(markers_, {}, &Marker::tick);
+}
+
+std::optional<Moments::Moment> Moments::next(std::uint64_t until_tick) {
+  if (next_event_ == events_.size() && !events_.empty()) {
+    events_ = source_->events_after(events_.back().number);
+    next_event_ = 0;
+  }
+  Moment moment;
+  if (next_marker_ < markers_.size()) moment = {markers_[next_marker_].tick, nullptr, &markers_[next_marker_]};
+  if (next_event_ < events_.size() && (moment.marker == nullptr || events_[next_event_].tick <= moment.tick))
+    moment = {events_[next_event_].tick, &events_[next_event_], nullptr};
+  if ((moment.event == nullptr && moment.marker == nullptr) || moment.tick > until_tick) return std::nullopt;
+  ++(moment.event != nullptr ? next_event_ : next_marker_);
+  return moment;
+}
 
 std::int64_t microseconds_since(std::int64_t start_time_ns, std::int64_t time_ns) {
   const std::int64_t since_ns = time_ns - start_time_ns;

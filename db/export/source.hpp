@@ -51,8 +51,15 @@ class ExportSource {
   /// The whole session's, from the chunks' directories alone. Empty without samples.
   [[nodiscard]] std::vector<ColumnRange> ranges();
 
-  /// All of them; a failed read is thrown.
-  [[nodiscard]] std::vector<StoredEvent> events() const;
+  /// Behind the number `after` a few of those that there were when the export began; empty at the end. A failed read is thrown.
+  [[nodiscard]] std::vector<StoredEvent> events_after(std::int64_t after) const;
+  /// Calls `use(event)` for each event, of which a few are in memory at a time.
+  template <typename Use>
+  void each_event(Use use) const {
+    for (std::vector<StoredEvent> some = events_after(-1); !some.empty(); some = events_after(some.back().number))
+      for (const StoredEvent& event : some) use(event);
+  }
+  /// All of them: people set them.
   [[nodiscard]] std::vector<Marker> markers() const;
   [[nodiscard]] std::vector<Gap> gaps() const;
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
@@ -79,6 +86,27 @@ class ExportSource {
   SessionReader reader_;
   ChunkSource source_;
   std::uint64_t next_tick_ = 0;
+  std::int64_t last_event_ = -1;
+};
+
+/// Events and markers of a session in the order of their steps, an event before a marker. A few events are in memory at a time.
+class Moments {
+ public:
+  explicit Moments(const ExportSource& source);
+  /// One of both is there.
+  struct Moment {
+    std::uint64_t tick = 0;
+    const StoredEvent* event = nullptr;
+    const Marker* marker = nullptr;
+  };
+  /// The next one, valid until the next call; nothing when there is none up to this step.
+  std::optional<Moment> next(std::uint64_t until_tick = ~std::uint64_t{0});
+
+ private:
+  const ExportSource* source_;
+  std::vector<Marker> markers_;
+  std::vector<StoredEvent> events_;
+  std::size_t next_marker_ = 0, next_event_ = 0;
 };
 
 /// One export under way in one format.

@@ -241,12 +241,12 @@ void SqliteWriter::write_manifest(const json& manifest) {
 void SqliteWriter::write_events() {
   const SessionId id = source_->info.id;
   Statement event(handle_.get(), "INSERT INTO events VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
-  for (const StoredEvent& told : source_->events()) {
+  source_->each_event([&](const StoredEvent& told) {
     const auto time_ns = static_cast<std::int64_t>(told.time_ns);
     insert(event, id,
            {told.tick, seconds_since(source_->start_ns(), time_ns), utc_text(source_->utc_of(time_ns)), told.kind_name, told.name,
             told.code, told.item, told.value, told.before});
-  }
+  });
   Statement marker(handle_.get(), "INSERT INTO markers VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   for (const Marker& told : source_->markers())
     insert(marker, id, {told.tick, seconds_since(source_->info.started_utc_ns, told.utc_ns), utc_text(told.utc_ns), told.kind, told.text});

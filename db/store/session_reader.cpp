@@ -321,13 +321,14 @@ Result<Overview> SessionReader::overview(SessionId session, std::span<const std:
   });
 }
 
-Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const {
+Result<std::vector<StoredEvent>> SessionReader::events(SessionId session, const RowPart& part) const {
   return guarded([&]() -> Result<std::vector<StoredEvent>> {
     std::vector<StoredEvent> out;
-    Statement row(database_->handle(),
-                  "SELECT tick, time_ns, kind, code, bits, item, request_id, value, before, kind_name, name, user, role, origin, client "
-                  "FROM events LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ORDER BY number");
-    row.integer(1, session);
+    Statement row(
+        database_->handle(),
+        "SELECT tick, time_ns, kind, code, bits, item, request_id, value, before, kind_name, name, user, role, origin, client, "
+        "number FROM events LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 AND number > ?2 ORDER BY number LIMIT ?3");
+    row.integer(1, session).integer(2, part.after).integer(3, part.limit);
     while (row.step()) {
       StoredEvent event;
       event.tick = row.unsigned_at(0);
@@ -342,18 +343,21 @@ Result<std::vector<StoredEvent>> SessionReader::events(SessionId session) const 
       event.kind_name = row.text_at(9);
       event.name = row.text_at(10);
       event.actor = actor_at(row, 11);
+      event.number = row.integer_at(15);
       out.push_back(std::move(event));
     }
     return out;
   });
 }
 
-Result<std::vector<Gap>> SessionReader::gaps(SessionId session) const {
+Result<std::vector<Gap>> SessionReader::gaps(SessionId session, const RowPart& part) const {
   return guarded([&]() -> Result<std::vector<Gap>> {
     std::vector<Gap> out;
-    Statement row(database_->handle(), "SELECT stream, from_tick, to_tick, reason FROM gaps WHERE session_id = ?1 ORDER BY number");
-    row.integer(1, session);
-    while (row.step()) out.push_back({row.text_at(0), row.unsigned_at(1), row.unsigned_at(2), row.text_at(3)});
+    Statement row(
+        database_->handle(),
+        "SELECT stream, from_tick, to_tick, reason, number FROM gaps WHERE session_id = ?1 AND number > ?2 ORDER BY number LIMIT ?3");
+    row.integer(1, session).integer(2, part.after).integer(3, part.limit);
+    while (row.step()) out.push_back({row.text_at(0), row.unsigned_at(1), row.unsigned_at(2), row.text_at(3), row.integer_at(4)});
     return out;
   });
 }

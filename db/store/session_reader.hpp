@@ -31,6 +31,12 @@ struct SessionPage {
   std::uint64_t total = 0;            ///< sessions that match, on all pages
 };
 
+/// A part of a session's numbered rows (events, gaps): all of them unless it says otherwise.
+struct RowPart {
+  std::int64_t after = -1;  ///< only rows behind this number
+  std::int64_t limit = -1;  ///< at most so many; -1 = no limit
+};
+
 class SessionReader {
  public:
   explicit SessionReader(Database& database) : database_(&database) {}
@@ -43,8 +49,8 @@ class SessionReader {
   Result<Columns> read_columns(SessionId session, std::span<const std::string> names, const TimeRange& range = {}) const;
   /// At most `runs` minima and maxima per column. A long range comes from the chunk directories alone, without reading any sample.
   Result<Overview> overview(SessionId session, std::span<const std::string> names, std::size_t runs, const TimeRange& range = {}) const;
-  Result<std::vector<StoredEvent>> events(SessionId session) const;
-  Result<std::vector<Gap>> gaps(SessionId session) const;
+  Result<std::vector<StoredEvent>> events(SessionId session, const RowPart& part = {}) const;
+  Result<std::vector<Gap>> gaps(SessionId session, const RowPart& part = {}) const;
   Result<std::vector<Marker>> markers(SessionId session) const;
   /// The newest session of this life of the core, when it ended with its recorder ("interrupted", "server_stopped") and its last sample was
   /// moving.

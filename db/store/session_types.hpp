@@ -114,6 +114,7 @@ struct Gap {
   std::string stream;
   std::uint64_t from_tick = 0, to_tick = 0;
   std::string reason;
+  std::int64_t number = 0;  ///< within its session, rising
 };
 
 /// Who asked for something, in words that stay true after the connection has ended.
@@ -132,6 +133,7 @@ struct StoredEvent {
   std::string kind_name;       ///< event_name as of the recording
   std::string name;            ///< what code or item meant when it was recorded: fault, mode, parameter, refusal or node name; may be empty
   std::optional<Actor> actor;  ///< absent: not known, or the core's own doing
+  std::int64_t number = 0;     ///< within its session, rising
 };
 
 /// What kind of moment a marker marks; the first one is a note without a kind.

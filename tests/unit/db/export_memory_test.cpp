@@ -58,9 +58,10 @@ constexpr int kShort_min = 8, kLong_min = 16;
 /// Of a step. The short session has more than kFoldedBusFrames of them and several chunks of samples, so that the largest pieces are in both.
 constexpr std::size_t kFrames = 3;
 static_assert(kFrames * kMinute * kShort_min > kFoldedBusFrames);
-/// An export of the long session may hold this much more: two bytes per sample, of which there are 48,000 more. A bundle takes 1.6 (its reason
-/// is not known), every other format none.
-constexpr std::size_t kGrowth_bytes = 96 * 1024;
+/// Two a second, as of a fault that flickers.
+constexpr std::size_t kStepsPerEvent = 50;
+/// An export of the long session may hold this much more: less than a byte for each of its 48,000 further samples.
+constexpr std::size_t kGrowth_bytes = 32 * 1024;
 
 // Walking along an eight with a pause in each minute, as the longest bout sets how much its figures of smoothness take. Bus frames beside it.
 void record(const std::filesystem::path& file, int minutes) {
@@ -75,6 +76,7 @@ void record(const std::filesystem::path& file, int minutes) {
   for (std::size_t tick = 0; tick < kMinute * static_cast<std::size_t>(minutes);) {
     std::vector<contract::TickRecord> records;
     std::vector<contract::BusRecord> frames;
+    std::vector<contract::Event> events;
     for (const std::size_t end = tick + 100; tick < end; ++tick) {
       contract::TickRecord r = walk.record(tick);
       const bool pause = tick % kMinute >= kMinute - 200;
@@ -94,9 +96,16 @@ void record(const std::filesystem::path& file, int minutes) {
       frame.dlc = 8;
       frame.data = tick;
       frames.insert(frames.end(), kFrames, frame);
+      if (tick % kStepsPerEvent != 0) continue;
+      contract::Event event;
+      event.tick = r.tick;
+      event.time_ns = r.time_ns;
+      event.kind = tick % (2 * kStepsPerEvent) == 0 ? contract::EventKind::fault_raised : contract::EventKind::fault_cleared;
+      events.push_back(event);
     }
     ASSERT_TRUE(writer.append_ticks(records).ok());
     ASSERT_TRUE(writer.append_bus(frames).ok());
+    ASSERT_TRUE(writer.append_events(events).ok());
     ASSERT_TRUE(writer.commit().ok());
   }
   ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
