@@ -970,8 +970,14 @@ void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDo
   done(outcome);
 }
 
-void act_set_tools(Services& services, const Asker& asker, bool on, OutcomeDone done) {
+void act_set_tools(Services& services, const Asker& asker, bool on, const std::string& expected, OutcomeDone done) {
   if (!begin_action(services, asker, Action::set_tools, {on ? "on" : "off"}, done)) return;
+  if (!db::check_tag(expected, services.tools.tag())) {
+    Outcome outdated;
+    outdated.kind = Outcome::Kind::outdated;
+    done(outdated);
+    return;
+  }
   // Closed at once; open only once that is stored.
   if (!on) services.tools.set(false);
   const auto work = [file = services.tools.file(), on](Records&) { return ToolSwitch::store(file, on); };

@@ -111,7 +111,7 @@ void act_set_retention(Services& services, const Asker& asker, const db::Retenti
 // Long work; `Outcome::job` is its number. Refused as busy when too many wait.
 void act_start_job(Services& services, const Asker& asker, JobKind kind, JobArguments arguments, OutcomeDone done);
 // Opens or closes /foxglove and /rosbridge; connections that are open are closed. Done when it is stored.
-void act_set_tools(Services& services, const Asker& asker, bool on, OutcomeDone done);
+void act_set_tools(Services& services, const Asker& asker, bool on, const std::string& expected, OutcomeDone done);
 void act_cancel_job(Services& services, const Asker& asker, JobId job, OutcomeDone done);
 
 [[nodiscard]] std::vector<std::string> refusal_names(std::uint32_t bits);

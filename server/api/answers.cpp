@@ -142,4 +142,15 @@ const nlohmann::json& field(const Call& call, const char* name) {
   return at == call.body->end() ? kNull : *at;
 }
 
+std::string parameters_tag(const Services& services) {
+  return std::to_string(services.core.link().life()) + "-" + std::to_string(services.core.parameters().version);
+}
+
+Response parameters_changed(const Services& services, nlohmann::json values, const Outcome& outcome) {
+  Response response = json_response(
+      {{"version", services.core.parameters().version}, {"values", std::move(values)}, {"stored", outcome.stored.value_or(false)}});
+  response.set("ETag", "\"" + parameters_tag(services) + "\"");
+  return response;
+}
+
 }  // namespace hoist::server

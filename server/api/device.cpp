@@ -45,13 +45,11 @@ void get_settings(const CallPtr& call) {
 }
 
 void change_settings(const CallPtr& call) {
-  const auto tag = required_tag(call);
-  if (!tag) return;
   db::DeviceSettingsPatch patch;
   if (const json& name = field(*call, "device_name"); name.is_string()) patch.name = name.get<std::string>();
   if (const auto language = call->body->find("language"); language != call->body->end())
     patch.language = language->is_null() ? std::optional<std::string>() : std::optional(language->get<std::string>());
-  act_change_device(call->services, asker_of(*call), std::move(patch), *tag, answer_with(call, [call](const Outcome&) {
+  act_change_device(call->services, asker_of(*call), std::move(patch), given_tag(*call), answer_with(call, [call](const Outcome&) {
                       call->respond(row_response(settings_json(call->services, call->services.state.device())));
                     }));
 }

@@ -1,10 +1,12 @@
 // /jobs: long work on the database, its progress and its end.
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "server/api/answers.hpp"
 #include "server/api/files.hpp"
 #include "server/api/handlers.hpp"
+#include "server/api/lists.hpp"
 #include "server/state/views.hpp"
 
 namespace hoist::server::api {
@@ -38,9 +40,11 @@ void respond_accepted(const CallPtr& call, JobId id) {
 }  // namespace
 
 void list_jobs(const CallPtr& call) {
-  json items = json::array();
-  for (const JobInfo& info : call->services.jobs.list()) items.push_back(job_json(info));
-  call->respond(json{{"items", std::move(items)}});
+  ListPage page;
+  if (!read_page(call, page)) return;
+  std::vector<JobInfo> jobs = call->services.jobs.list();
+  std::erase_if(jobs, [&](const JobInfo& info) { return page.last && std::cmp_less_equal(info.id, *page.last); });
+  call->respond(page_json(jobs, page.limit, job_json, [](const JobInfo& info) { return std::to_string(info.id); }));
 }
 
 void get_job(const CallPtr& call) {

@@ -97,25 +97,8 @@ inline std::optional<std::int64_t> path_id(const CallPtr& call, const char* thin
   return std::nullopt;
 }
 
-// The tag of If-Match: empty for "*" and without the header, which some routes allow.
-inline std::string given_tag(const Call& call) {
-  std::string_view match = call.request.header("if-match");
-  if (match.empty() || match == "*") return {};
-  // An answer that was sent as gzip has a tag of its own (compress.hpp), for the same row.
-  if (match.size() >= 2 && match.front() == '"' && match.back() == '"') match = match.substr(1, match.size() - 2);
-  if (match.ends_with("-gzip")) match.remove_suffix(5);
-  return match.empty() ? "-" : std::string(match);
-}
-
-// The same where a change must say what it was made for: nothing after a 428.
-inline std::optional<std::string> required_tag(const CallPtr& call) {
-  if (!call->request.header("if-match").empty()) return given_tag(*call);
-  call->fail({.status = 428,
-              .name = "if-match",
-              .title = "The change does not say what it was made for",
-              .detail = "Send the ETag that you were shown as If-Match; * changes whatever there is."});
-  return std::nullopt;
-}
+// The tag of If-Match, or several with commas (db::check_tag); empty for "*". The router has refused a request without the header.
+inline std::string given_tag(const Call& call) { return strong_tags(call.request.header("if-match")); }
 
 // A moment in ms of UTC as ns; nothing when it is not in the query. False: the call has failed.
 inline bool read_moment(const CallPtr& call, const char* name, std::optional<std::int64_t>& utc_ns) {

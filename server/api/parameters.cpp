@@ -3,8 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "control/contract/params.hpp"
+#include "db/store/edit_tag.hpp"
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
+#include "server/api/lists.hpp"
 #include "server/http/compress.hpp"
 #include "server/state/views.hpp"
 
@@ -31,10 +33,7 @@ json parameter_json(std::size_t index, const contract::ParamsInForce& in_force) 
           {"effect", {{"en", p.effect_en}, {"de", p.effect_de}}}};
 }
 
-// The core's run is part of it: a restarted core counts its versions from the start.
-std::string etag(const Services& s) {
-  return "\"" + std::to_string(s.core.link().life()) + "-" + std::to_string(s.core.parameters().version) + "\"";
-}
+std::string etag(const Services& s) { return etag_of(parameters_tag(s)); }
 
 // For the bytes that this request gets.
 std::string list_etag(const Call& call) {
@@ -57,16 +56,13 @@ Problem changed_meanwhile() {
 }
 
 void change(const CallPtr& call, const NumbersByName& values, std::optional<double> revert_after_s) {
-  const std::string_view match = call->request.header("if-match");
-  // The tag of the gzip form stands for the same values.
-  const std::string now = etag(call->services);
-  const bool matched = match == now || match == gzip_etag(now);
-  if (!match.empty() && match != "*" && !matched) {
+  const std::string given = given_tag(*call);
+  if (!db::check_tag(given, parameters_tag(call->services))) {
     call->fail(changed_meanwhile());
     return;
   }
   // The core checks the version again: another client may change a value in between.
-  const std::uint32_t version = matched ? static_cast<std::uint32_t>(call->services.core.parameters().version) : 0;
+  const std::uint32_t version = given.empty() ? 0 : static_cast<std::uint32_t>(call->services.core.parameters().version);
   act_set(call->services, asker_of(*call), values, revert_after_s, version, [call, values, version](const Outcome& outcome) {
     if (version != 0 && std::ranges::find(outcome.refusals, "set_outdated") != outcome.refusals.end()) {
       call->fail(changed_meanwhile());
@@ -80,11 +76,7 @@ void change(const CallPtr& call, const NumbersByName& values, std::optional<doub
     json changed = json::object();
     for (const auto& [name, value] : values)
       if (const auto index = contract::find_param(name)) changed[name] = call->services.core.parameters().values[*index];
-    Response response = json_response({{"version", call->services.core.parameters().version},
-                                       {"values", std::move(changed)},
-                                       {"stored", outcome.stored.value_or(false)}});
-    response.set("ETag", etag(call->services));
-    call->respond(std::move(response));
+    call->respond(parameters_changed(call->services, std::move(changed), outcome));
   });
 }
 }  // namespace
@@ -148,7 +140,7 @@ void list_presets(const CallPtr& call) {
 
 void apply_preset(const CallPtr& call) {
   const std::string name = call->path_values.at(0);
-  act_preset(call->services, asker_of(*call), name, 0, [call, name](const Outcome& outcome) {
+  act_preset(call->services, asker_of(*call), name, version_wish(*call->body), [call, name](const Outcome& outcome) {
     if (!outcome.done()) {
       call->fail(problem_of(outcome));
       return;
@@ -158,8 +150,7 @@ void apply_preset(const CallPtr& call) {
       if (v.preset == name)
         values[std::string{contract::kParams[contract::param_index(v.param)].name}] =
             call->services.core.parameters().values[contract::param_index(v.param)];
-    call->respond(json{
-        {"version", call->services.core.parameters().version}, {"values", std::move(values)}, {"stored", outcome.stored.value_or(false)}});
+    call->respond(parameters_changed(call->services, std::move(values), outcome));
   });
 }
 

@@ -60,8 +60,7 @@ void get_visit(const CallPtr& call) {
 void change_visit(const CallPtr& call) {
   const auto id = path_id(call, "visit");
   if (!id) return;
-  if (const auto tag = required_tag(call))
-    act_note_visit(call->services, asker_of(*call), *id, field(*call, "note").get<std::string>(), *tag, answer_row(call));
+  act_note_visit(call->services, asker_of(*call), *id, field(*call, "note").get<std::string>(), given_tag(*call), answer_row(call));
 }
 
 void list_patients(const CallPtr& call) {
@@ -94,18 +93,16 @@ void get_patient(const CallPtr& call) {
 void change_patient(const CallPtr& call) {
   const auto id = path_id(call, "patient");
   if (!id) return;
-  const auto tag = required_tag(call);
-  if (!tag) return;
   db::PatientPatch patch;
   if (const json& code = field(*call, "code"); code.is_string()) patch.code = code.get<std::string>();
   if (const json& archived = field(*call, "archived"); archived.is_boolean()) patch.archived = archived.get<bool>();
-  act_change_patient(call->services, asker_of(*call), *id, patch, *tag, answer_row(call));
+  act_change_patient(call->services, asker_of(*call), *id, patch, given_tag(*call), answer_row(call));
 }
 
 void delete_patient(const CallPtr& call) {
   const auto id = path_id(call, "patient");
   if (!id) return;
-  if (const auto tag = required_tag(call)) act_delete_patient(call->services, asker_of(*call), *id, *tag, answer_gone(call));
+  act_delete_patient(call->services, asker_of(*call), *id, given_tag(*call), answer_gone(call));
 }
 
 void get_identity(const CallPtr& call) {
@@ -126,19 +123,17 @@ void get_identity(const CallPtr& call) {
 void put_identity(const CallPtr& call) {
   const auto id = path_id(call, "patient");
   if (!id) return;
-  const auto tag = required_tag(call);
-  if (!tag) return;
   db::Identity identity;
   identity.name = field(*call, "name").get<std::string>();
   if (const json& day = field(*call, "birth_date"); day.is_string()) identity.birth_date = day.get<std::string>();
   if (const json& note = field(*call, "note"); note.is_string()) identity.note = note.get<std::string>();
-  act_set_identity(call->services, asker_of(*call), *id, std::move(identity), *tag, answer_row(call));
+  act_set_identity(call->services, asker_of(*call), *id, std::move(identity), given_tag(*call), answer_row(call));
 }
 
 void delete_identity(const CallPtr& call) {
   const auto id = path_id(call, "patient");
   if (!id) return;
-  if (const auto tag = required_tag(call)) act_set_identity(call->services, asker_of(*call), *id, std::nullopt, *tag, answer_row(call));
+  act_set_identity(call->services, asker_of(*call), *id, std::nullopt, given_tag(*call), answer_row(call));
 }
 
 void get_chosen_patient(const CallPtr& call) { call->respond(chosen_patient_json(call->services.state)); }

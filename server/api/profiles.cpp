@@ -80,22 +80,19 @@ void get_profile(const CallPtr& call) {
 void change_profile(const CallPtr& call) {
   const auto id = path_id(call, "profile");
   if (!id) return;
-  const auto tag = required_tag(call);
-  if (!tag) return;
   const json& name = field(*call, "name");
   act_change_profile(call->services, asker_of(*call), *id,
                      {.name = name.is_string() ? std::optional(name.get<std::string>()) : std::nullopt,
                       .settings = field(*call, "settings"),
                       .from_in_force = field(*call, "from_in_force") == true},
-                     *tag, answer_profile(call, 200));
+                     given_tag(*call), answer_profile(call, 200));
 }
 
 void delete_profile(const CallPtr& call) {
   const auto id = path_id(call, "profile");
   if (!id) return;
-  if (const auto tag = required_tag(call))
-    act_delete_profile(call->services, asker_of(*call), *id, *tag,
-                       answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_profile(call->services, asker_of(*call), *id, given_tag(*call),
+                     answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 void diff_profile(const CallPtr& call) {
@@ -124,8 +121,7 @@ void apply_profile(const CallPtr& call) {
     for (std::size_t i = 0; i < contract::kParamCount; ++i)
       if (contract::kParams[i].role <= contract::Role::therapist)
         values[std::string{contract::kParams[i].name}] = call->services.core.parameters().values[i];
-    call->respond(json{
-        {"version", call->services.core.parameters().version}, {"values", std::move(values)}, {"stored", outcome.stored.value_or(false)}});
+    call->respond(parameters_changed(call->services, std::move(values), outcome));
   });
 }
 

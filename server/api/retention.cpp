@@ -26,10 +26,8 @@ void get_retention(const CallPtr& call) {
 }
 
 void set_retention(const CallPtr& call) {
-  const auto tag = required_tag(call);
-  if (!tag) return;
   const db::RetentionRule rule = db::rule_of(*call->body);
-  act_set_retention(call->services, asker_of(*call), rule, *tag,
+  act_set_retention(call->services, asker_of(*call), rule, given_tag(*call),
                     answer_with(call, [call, rule](const Outcome&) { call->respond(rule_response(rule)); }));
 }
 

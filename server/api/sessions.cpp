@@ -191,42 +191,46 @@ void get_samples(const CallPtr& call) {
   });
 }
 
-void get_events(const CallPtr& call) {
+namespace {
+json event_json(const db::StoredEvent& e, std::uint64_t start_time_ns) {
+  return {{"number", e.number},
+          {"time_s", (static_cast<double>(e.time_ns) - static_cast<double>(start_time_ns)) * 1e-9},
+          {"tick", e.tick},
+          {"kind", e.kind_name},
+          {"name", e.name},
+          {"code", e.code},
+          {"item", e.item},
+          {"bits", e.bits},
+          {"value", e.value},
+          {"before", e.before},
+          {"actor", db::actor_json(e.actor)}};
+}
+json gap_json(const db::Gap& g, std::uint64_t /*start_time_ns*/) {
+  return {{"number", g.number}, {"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}};
+}
+
+// A page of a session's numbered rows. `read`: of the session, the rows of a part; `to_json`: a row, with the session's start.
+template <typename Read, typename ToJson>
+void respond_rows(const CallPtr& call, Read read, ToJson to_json) {
   const auto id = session_id(call);
-  if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
+  ListPage page;
+  if (!id || !read_page(call, page)) return;
+  with_database(call, [id = *id, page, read, to_json, path = call->request.path](db::Database& database) -> Response {
     const db::SessionReader reader(database);
     const auto session = reader.get(id);
     if (!session) return store_error(session.error(), path);
-    const auto events = reader.events(id);
-    if (!events) return store_error(events.error(), path);
-    const auto markers = reader.markers(id);
-    if (!markers) return store_error(markers.error(), path);
-    const auto gaps = reader.gaps(id);
-    if (!gaps) return store_error(gaps.error(), path);
-    json list = json::array();
-    for (const db::StoredEvent& e : *events) {
-      const double time_s = (static_cast<double>(e.time_ns) - static_cast<double>(session->start_time_ns)) * 1e-9;
-      list.push_back({{"time_s", time_s},
-                      {"tick", e.tick},
-                      {"kind", e.kind_name},
-                      {"name", e.name},
-                      {"code", e.code},
-                      {"item", e.item},
-                      {"bits", e.bits},
-                      {"value", e.value},
-                      {"before", e.before},
-                      {"actor", db::actor_json(e.actor)}});
-    }
-    json marked = json::array();
-    for (const db::Marker& m : *markers)
-      marked.push_back({{"tick", m.tick}, {"utc_ms", m.utc_ns / 1'000'000}, {"text", m.text}, {"actor", db::actor_json(m.actor)}});
-    json missing = json::array();
-    for (const db::Gap& g : *gaps)
-      missing.push_back({{"stream", g.stream}, {"from_tick", g.from_tick}, {"to_tick", g.to_tick}, {"reason", g.reason}});
-    return json_response({{"items", std::move(list)}, {"markers", std::move(marked)}, {"gaps", std::move(missing)}});
+    const db::RowPart part{.after = page.last.value_or(-1), .limit = static_cast<std::int64_t>(page.limit) + 1};
+    const auto rows = (reader.*read)(id, part);
+    if (!rows) return store_error(rows.error(), path);
+    return json_response(page_json(
+        *rows, page.limit, [&](const auto& row) { return to_json(row, session->start_time_ns); },
+        [](const auto& row) { return std::to_string(row.number); }));
   });
 }
+}  // namespace
+
+void list_events(const CallPtr& call) { respond_rows(call, &db::SessionReader::events, event_json); }
+void list_gaps(const CallPtr& call) { respond_rows(call, &db::SessionReader::gaps, gap_json); }
 
 void get_metrics(const CallPtr& call) {
   const auto id = session_id(call);
@@ -349,7 +353,6 @@ void list_markers(const CallPtr& call) {
   ListPage page;
   if (!id || !read_page(call, page)) return;
   with_database(call, [id = *id, page, path = call->request.path](db::Database& database) -> Response {
-    // The first one has the number 0.
     const auto markers = db::MarkerStore(database).list(id, page.last.value_or(-1), page.limit + 1);
     if (!markers) return store_error(markers.error(), path);
     return json_response(page_json(
@@ -361,22 +364,19 @@ void list_markers(const CallPtr& call) {
 void change_marker(const CallPtr& call) {
   const auto place = marker_place(call);
   if (!place) return;
-  const auto tag = required_tag(call);
-  if (!tag) return;
   db::MarkerPatch patch;
   if (const json& text = field(*call, "text"); text.is_string()) patch.text = text.get<std::string>();
   if (const json& kind = field(*call, "kind"); kind.is_string()) patch.kind = kind.get<std::string>();
   if (const json& time = field(*call, "time_s"); time.is_number()) patch.time_s = time.get<double>();
-  act_change_marker(call->services, asker_of(*call), *place, std::move(patch), *tag,
+  act_change_marker(call->services, asker_of(*call), *place, std::move(patch), given_tag(*call),
                     answer_with(call, [call](const Outcome& outcome) { call->respond(row_response(json::parse(outcome.row))); }));
 }
 
 void delete_marker(const CallPtr& call) {
   const auto place = marker_place(call);
   if (!place) return;
-  if (const auto tag = required_tag(call))
-    act_delete_marker(call->services, asker_of(*call), *place, *tag,
-                      answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_marker(call->services, asker_of(*call), *place, given_tag(*call),
+                    answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
 }
 
 void add_marker(const CallPtr& call) {

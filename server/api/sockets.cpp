@@ -5,6 +5,7 @@
 
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
+#include "server/api/lists.hpp"
 #include "server/stream/stream.hpp"
 #include "server/ws/handshake.hpp"
 
@@ -76,12 +77,17 @@ void open_rosbridge(const CallPtr& call) {
 }
 
 void get_tools(const CallPtr& call) {
-  call->respond(json{{"enabled", call->services.tools.on()},
-                     {"foxglove", "/foxglove"},
-                     {"rosbridge", "/rosbridge"},
-                     {"foxglove_layout", "/foxglove-layout.json"}});
+  const ToolSwitch& tools = call->services.tools;
+  call->respond(row_response({{"enabled", tools.on()},
+                              {"foxglove", "/foxglove"},
+                              {"rosbridge", "/rosbridge"},
+                              {"foxglove_layout", "/foxglove-layout.json"},
+                              {"etag", tools.tag()}}));
 }
 
-void set_tools(const CallPtr& call) { act_set_tools(call->services, asker_of(*call), field(*call, "enabled") == true, answer_done(call)); }
+void set_tools(const CallPtr& call) {
+  act_set_tools(call->services, asker_of(*call), field(*call, "enabled") == true, given_tag(*call),
+                answer_with(call, [call](const Outcome&) { get_tools(call); }));
+}
 
 }  // namespace hoist::server::api

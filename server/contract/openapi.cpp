@@ -79,6 +79,18 @@ json parameters_of(const Route& route) {
   return list;
 }
 
+// Of a row that can be edited and of the parameters: with every good answer. Of files: with those that can be read in parts.
+json tag_header(const Route& route) {
+  static const json all = schemas();
+  const json properties = all.value(std::string{route.response}, json::object()).value("properties", json::object());
+  const bool edited = properties.contains("etag") || route.response == "Parameter" || route.response == "ParameterList" ||
+                      route.response == "ParameterResult";
+  if (!edited && route.errors.find("206") == route.errors.npos) return nullptr;
+  return {{"description", edited ? "Of the state that this answer shows, for If-Match" : "Of the file, for If-Range and If-None-Match"},
+          {"required", edited},
+          {"schema", {{"type", "string"}}}};
+}
+
 json operation_of(const Route& route) {
   json operation{{"operationId", route.operation}, {"summary", route.summary}};
   operation["x-role"] = access_name(route.access);
@@ -103,11 +115,12 @@ json operation_of(const Route& route) {
   } else if (!route.response.empty()) {
     success["content"]["application/json"] = {{"schema", reference(route.response)}};
   }
+  if (json tag = tag_header(route); !tag.is_null()) success["headers"]["ETag"] = std::move(tag);
   json responses{{std::to_string(route.success), std::move(success)}};
   for (const std::string& code : errors_of(route)) {
     json answer{{"description", reason_phrase(static_cast<unsigned>(std::stoul(code)))}};
     if (code == "206")
-      answer["content"] = responses[std::to_string(route.success)]["content"];
+      for (const char* part : {"content", "headers"}) answer[part] = responses[std::to_string(route.success)][part];
     else if (code != "304")
       answer["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
     responses[code] = std::move(answer);

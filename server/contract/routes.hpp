@@ -86,4 +86,28 @@ static_assert(contract::all_rows(kRoutes,
                                  }),
               "api.def: a route that makes something takes no Idempotency-Key");
 
+// Whether a request must say which state it was made for (If-Match).
+constexpr bool needs_tag(const Route& route) {
+  for (const RouteInput& input : kRouteInputs)
+    if (input.operation == route.operation && input.name == "If-Match") return input.required;
+  return false;
+}
+// What acts on the hoist or on one's own sign-in as it is now: the newest counts, as of the messages of hoist.v1.
+inline constexpr auto kActsNow = std::to_array<std::string_view>({"sign_out", "change_password", "change_pin", "set_time", "choose_patient",
+                                                                  "choose_task", "choose_exercise", "pause_alarm", "release_lease",
+                                                                  "withdraw_lease", "cancel_calibration", "cancel_job"});
+constexpr bool acts_now(const Route& route) {
+  for (const std::string_view operation : kActsNow)
+    if (operation == route.operation) return true;
+  return false;
+}
+// One rule for all that can be edited.
+static_assert(contract::all_rows(kRoutes,
+                                 [](const Route& r) {
+                                   const bool edits = r.method == Method::patch || r.method == Method::put || r.method == Method::del;
+                                   const bool told = r.errors.find("412") != r.errors.npos && r.errors.find("428") != r.errors.npos;
+                                   return !edits || acts_now(r) ? !needs_tag(r) : needs_tag(r) && told;
+                                 }),
+              "api.def: what changes something that is stored needs If-Match, and tells 412 and 428");
+
 }  // namespace hoist::server

@@ -119,6 +119,21 @@ bool names_etag(std::string_view header, std::string_view etag) {
   return false;
 }
 
+std::string strong_tags(std::string_view header) {
+  constexpr std::string_view kGzip = "-gzip";
+  std::string tags;
+  while (!header.empty()) {
+    std::string_view tag = next_part(header, ',');
+    if (tag == "*") return {};
+    if (tag.size() < 2 || tag.front() != '"' || tag.back() != '"') continue;
+    tag = tag.substr(1, tag.size() - 2);
+    if (tag.ends_with(kGzip)) tag.remove_suffix(kGzip.size());
+    tags.append(tags.empty() ? "" : ",").append(tag);
+  }
+  // What names no tag at all matches nothing.
+  return tags.empty() ? "-" : tags;
+}
+
 RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& part) {
   constexpr std::string_view kUnit = "bytes=";
   if (!header.starts_with(kUnit)) return RangeWish::none;

@@ -62,6 +62,9 @@ struct Response {
 
 // Whether an If-None-Match header (a list, weak ones too, or *) names this entity tag.
 [[nodiscard]] bool names_etag(std::string_view header, std::string_view etag);
+// The entity tags of an If-Match header without their quotes, with commas between; empty for *. Weak ones match nothing (RFC 9110, 13.1.1). A tag of
+// the gzip form (compress.hpp) stands for the same row.
+[[nodiscard]] std::string strong_tags(std::string_view header);
 // One part of a file of `size` bytes as a Range header asks for it. `none`: no header, or one that may be ignored (another unit, several parts,
 // broken): the whole file is the answer. `outside`: no byte of the file is asked for.
 struct ByteRange {

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "db/store/edit_tag.hpp"
+
 namespace hoist::server {
 
 class ToolSwitch {
@@ -12,6 +14,8 @@ class ToolSwitch {
   ToolSwitch(std::filesystem::path file, bool forced);
 
   [[nodiscard]] bool on() const { return on_; }
+  // For If-Match.
+  [[nodiscard]] std::string tag() const { return db::edit_tag({on_ ? "on" : "off"}); }
   void set(bool on) { on_ = on; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   // On any thread that may wait for the disk. False: not stored.

@@ -210,6 +210,8 @@ class Hoist:
         request.add_header("Authorization", f"Bearer {self.token}")
         if body is not None:
             request.add_header("Content-Type", "application/json")
+        if method in ("PUT", "PATCH", "DELETE"):
+            request.add_header("If-Match", "*")  # for whatever there is
         if self.epoch is not None:
             request.add_header("X-Hoist-Lease", str(self.epoch))
         try:

@@ -71,7 +71,10 @@ class WithEdges(Hoist):
     def edges(self):
         """Levels to which the synchronisation input has changed in the session that is recorded."""
         sessions = self.call("GET", "/sessions?limit=1")[1]["items"]
-        events = self.call("GET", f"/sessions/{sessions[0]['id']}/events")[1]["items"] if sessions else []
+        events, cursor = [], "" if sessions else None
+        while cursor is not None:
+            page = self.call("GET", f"/sessions/{sessions[0]['id']}/events?limit=200&cursor={cursor}")[1]
+            events, cursor = events + page["items"], page["next"]
         return [event["name"] for event in events if event["kind"] == "sync_input"]
 
 

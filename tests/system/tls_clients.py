@@ -129,7 +129,7 @@ def a_slow_reader_gets_a_long_answer_whole():
 def a_long_body_is_read_in_whole_records():
     body = json.dumps({"note": "x" * 60000}).encode()
     with connect() as line:
-        line.sendall((f"PATCH /api/v1/sessions/1 HTTP/1.1\r\nHost: localhost:{port}\r\nContent-Type: application/json\r\n{signed_in()}\r\n"
+        line.sendall((f"PATCH /api/v1/sessions/1 HTTP/1.1\r\nHost: localhost:{port}\r\nIf-Match: *\r\nContent-Type: application/json\r\n{signed_in()}\r\n"
                       f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n").encode() + body)
         answer = line.recv(4096)
     check(answer.split(b" ")[1] in (b"404", b"422", b"503"), f"{answer[:200]}")

@@ -145,6 +145,16 @@ const pathPixels = () =>
     return count;
   });
 
+/** All events of a session, page by page. */
+async function eventsOf(id) {
+  const events = [];
+  for (let cursor = ''; cursor !== null; ) {
+    const { items = [], next = null } = (await stack.rest('GET', `/sessions/${id}/events?limit=200&cursor=${cursor}`)).json();
+    events.push(...items);
+    cursor = next;
+  }
+  return events;
+}
 const newestId = async () => (await stack.rest('GET', '/sessions?limit=1')).json().items[0]?.id ?? 0;
 /** The session recorded since `before`, once it is closed: three seconds after standstill. */
 const recordedSince = (before) =>
@@ -214,8 +224,7 @@ const driveKey = (code) => ({
 async function endedBySilence() {
   const told = async () => {
     const id = await newestId();
-    const events = (await stack.rest('GET', `/sessions/${id}/events`)).json().items ?? [];
-    return events.some((event) => event.kind === 'fault_raised' && event.name === 'remote_command_lost');
+    return (await eventsOf(id)).some((event) => event.kind === 'fault_raised' && event.name === 'remote_command_lost');
   };
   return until('the session says it', told, 5000, 200).catch(() => false);
 }
@@ -372,8 +381,8 @@ const cases = {
     assert(figures.C > 0.6 && figures.C <= 1, `similarity C = ${figures.C}`);
     assert(figures.J_N > 0 && figures.J_N < 25, `accuracy J_N = ${figures.J_N}`);
     assert(figures.walked_m > 0.9 * lap_m, `walked ${figures.walked_m} m`);
-    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json();
-    assert(events.markers.some((mark) => mark.text === 'Went well'), 'the mark is not in the session');
+    const marks = (await stack.rest('GET', `/sessions/${session.id}/markers`)).json().items;
+    assert(marks.some((mark) => mark.text === 'Went well'), 'the mark is not in the session');
     walked = { id: session.id, figures };
   },
 
@@ -535,7 +544,7 @@ const cases = {
     assert((await modeName()) === 'Patient leads', 'tuning ended the walk');
     await toStandby();
     const session = await recordedSince(before);
-    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
+    const events = await eventsOf(session.id);
     assert(
       events.some((event) => event.kind === 'parameter_changed' && event.name === 'lean_gain_filtered_units' && event.value === wanted),
       'the change is not in the session',
@@ -667,7 +676,7 @@ const cases = {
     assert(Math.abs((await gone_m()) - 1) < 0.05, `it went ${await gone_m()} m`);
     assert((await stack.rest('GET', '/mode')).json().moving === false, 'it still moves');
     const session = await recordedSince(before);
-    const events = (await stack.rest('GET', `/sessions/${session.id}/events`)).json().items;
+    const events = await eventsOf(session.id);
     assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
     assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
     assert(session.task?.task === 'straight' && session.task.repetition === 1, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);

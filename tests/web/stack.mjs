@@ -142,7 +142,11 @@ export class Stack {
   async rest(method, path, body) {
     const response = await fetch(`${this.origin}/api/v1${path}`, {
       method,
-      headers: { Authorization: `Bearer ${readFileSync(this.path('token'), 'utf8').trim()}`, ...(body === undefined ? {} : { 'Content-Type': 'application/json' }) },
+      headers: {
+        Authorization: `Bearer ${readFileSync(this.path('token'), 'utf8').trim()}`,
+        ...(['PUT', 'PATCH', 'DELETE'].includes(method) ? { 'If-Match': '*' } : {}),
+        ...(body === undefined ? {} : { 'Content-Type': 'application/json' }),
+      },
       body: body === undefined ? undefined : JSON.stringify(body),
     });
     const text = await response.text();

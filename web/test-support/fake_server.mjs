@@ -73,6 +73,13 @@ const faultBit = Object.fromEntries(
 );
 const modeValue = Object.fromEntries([...table('faults').matchAll(/value: (\d+), name: '(\w+)'/g)].map(([, value, name]) => [name, Number(value)]));
 
+/** The page of a list that a request asks for: rows behind the number that `cursor` names. */
+function pageOf(rows, url) {
+  const limit = Number(url.searchParams.get('limit') ?? 50);
+  const rest = rows.filter(({ number }) => number > Number(url.searchParams.get('cursor') ?? -1));
+  return { items: rest.slice(0, limit), next: rest.length > limit ? String(rest[limit - 1].number) : null };
+}
+
 export function encodeRecords(records) {
   const buffer = Buffer.alloc(16 + records.length * recordBytes);
   buffer.writeUInt8(1, 0);
@@ -321,7 +328,7 @@ export function startFakeServer({
   let person = signedIn ? people[1] : null;
   let failures = 0;
   const retention = { days: null, disk_percent: null, needs_backup: true, etag: 'r1' };
-  const tools = { enabled: false, foxglove: '/foxglove', rosbridge: '/rosbridge', foxglove_layout: '/foxglove-layout.json' };
+  const tools = { enabled: false, foxglove: '/foxglove', rosbridge: '/rosbridge', foxglove_layout: '/foxglove-layout.json', etag: 's1' };
   const tokens = [{ id: 1, user: 'kos', name: 'Gait study', scope: 'viewer', created_utc_s: 1.79e9, expires_utc_s: 1.81e9, etag: 't1' }];
   const audit = [
     { action: 'sign_in', user: 'kos', target: '', before: null, after: null, result: 'done' },
@@ -951,8 +958,8 @@ export function startFakeServer({
       return send(204, null);
     }
     if (path === '/tools' && request.method === 'PUT') {
-      tools.enabled = given.enabled;
-      return send(200, { ok: true });
+      if (request.headers['if-match'] !== `"${tools.etag}"`) return send(412, { type: '/problems/changed-meanwhile', title: 'Changed', status: 412 });
+      return send(200, Object.assign(tools, { enabled: given.enabled, etag: `${tools.etag}+` }));
     }
     if (path === '/tools') return send(200, tools);
     if (path === '/audit/check') return send(200, { rows: audit.length, first_wrong: null, head: '' });
@@ -1111,7 +1118,7 @@ export function startFakeServer({
     if (studyId !== undefined) return study ? send(200, study) : send(404, { type: '/problems/unknown', title: 'Unknown', status: 404 });
     if (path === '/retention' && request.method === 'PUT') return send(200, Object.assign(retention, given, { etag: 'r2' }));
     if (path === '/retention') return send(200, retention);
-    if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })) });
+    if (path === '/jobs') return send(200, { items: jobs.map((job) => ({ ...job, result: undefined })), next: null });
     const [, jobId] = /^\/jobs\/(\d+)$/.exec(path) ?? [];
     if (jobId !== undefined) {
       const job = jobs[Number(jobId) - 1];
@@ -1234,23 +1241,22 @@ export function startFakeServer({
         reason_code: null,
       });
     if (rest === 'tuning-advice') return send(200, { session: session.id, standing_s: 41.2, walking_s: 88.4, items: suggestions });
-    if (rest === 'events')
-      return send(200, {
-        items: [
-          { time_s: 0, kind: 'mode_changed', name: 'user' },
-          { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 },
-          ...Array.from({ length: 20 }, (_, i) => ({
-            time_s: 40 + i,
-            kind: 'parameter_changed',
-            name: 'lean_gain_filtered_units',
-            before: 60 + i,
-            value: 61 + i,
-          })),
-          { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' },
-        ],
-        markers: [{ utc_ms: session.started_utc_ms + 31_000, text: 'Stumble' }],
-        gaps: [],
-      });
+    if (rest === 'events') {
+      const events = [
+        { time_s: 0, kind: 'mode_changed', name: 'user' },
+        { time_s: 12.3, kind: 'parameter_changed', name: 'lean_gain_filtered_units', before: 50, value: 60 },
+        // Of one session more than two pages hold.
+        ...Array.from({ length: session.id === 1 ? 450 : 20 }, (_, i) => ({
+          time_s: 40 + i * 0.1,
+          kind: 'parameter_changed',
+          name: 'lean_gain_filtered_units',
+          before: 60 + i,
+          value: 61 + i,
+        })),
+        { time_s: 96, kind: 'fault_raised', name: 'stop_pressed' },
+      ].map((event, number) => ({ number, ...event }));
+      return send(200, pageOf(events, url));
+    }
     if (rest === 'samples') {
       const names = (url.searchParams.get('columns') ?? '').split(',');
       const runs = Array.from({ length: 600 }, (_, i) => i * (1000 / 600));

@@ -19,6 +19,18 @@ const button = (name: string) => page.getByRole('button', { name, exact: true })
 const save = () => page.locator('form').getByRole('button', { name: en['common.save'], exact: true });
 const edit = (n: number) => rows().nth(n).getByRole('button').click();
 
+describe('events of a session', { timeout: minutes_ms }, () => {
+  it('are all shown, also those of later pages and in the list with its marks', async () => {
+    const events = page.locator('.events li');
+    await expect.poll(() => events.count()).toBe(26);
+    await page.goto(`${fake.url}#/sessions/1`);
+    await expect.poll(() => events.count()).toBe(200);
+    await button(en['sessions.eventsAll'].replace('{n}', '453')).click();
+    expect(await events.count()).toBe(453);
+    expect(await events.last().textContent()).toContain('1:36');
+  });
+});
+
 describe('a mark', { timeout: minutes_ms }, () => {
   it('gets another kind, text and time, each by itself', async () => {
     expect(await rows().locator('strong').allTextContents()).toEqual([en['marker.stumble'], 'Held the rail with the left hand', en['marker.help']]);
@@ -56,7 +68,7 @@ describe('a mark', { timeout: minutes_ms }, () => {
     );
     await button(en['marker.delete']).click();
     await page.getByText(/Someone else has changed this/).waitFor();
-    await page.getByText('Held the rail with both hands').waitFor();
+    await rows().getByText('Held the rail with both hands').waitFor();
     expect(await rows().count()).toBe(2);
   });
 });

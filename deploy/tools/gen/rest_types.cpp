@@ -94,6 +94,8 @@ std::string route_type(const std::string& method, const std::string& path, const
   out += inputs(operation, "path", "path") + inputs(operation, "query", "query");
   if (const auto body = operation.find("requestBody"); body != operation.end())
     out += std::string("    body") + ((*body)["required"] ? ": " : "?: ") + content_type(*body) + ";\n";
+  for (const json& input : operation.value("parameters", json::array()))
+    if (input["name"] == "If-Match") out += "    etag: string | null;\n";
   const json& responses = operation["responses"];
   const auto good = std::find_if(responses.items().begin(), responses.items().end(), [](const auto& row) { return row.key()[0] == '2'; });
   const std::string answer = good == responses.items().end() ? "never" : content_type(good.value());

@@ -122,6 +122,12 @@ Answer http(std::uint16_t port, const std::string& method, const std::string& ta
   return answer;
 }
 
+void add_any_tag(Headers& headers, const std::string& method, const Headers& more) {
+  const bool changes = method == "PUT" || method == "PATCH" || method == "DELETE";
+  if (changes && std::ranges::none_of(more, [](const auto& header) { return header.first == "If-Match"; }))
+    headers.emplace_back("If-Match", "*");
+}
+
 Raw::Raw(std::uint16_t port, int receive_buffer) {
   fd_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (receive_buffer > 0) ::setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);

@@ -28,6 +28,8 @@ struct Answer {
 // One request on its own connection. Host and Content-Length are added unless given.
 Answer http(std::uint16_t port, const std::string& method, const std::string& target, const Headers& headers = {},
             const std::string& body = "");
+// If-Match: * for a method that may change what is stored, as a script sends it; not beside another If-Match.
+void add_any_tag(Headers& headers, const std::string& method, const Headers& more);
 
 // Sends bytes as they are and returns everything until the server closes or `quiet` passes without a byte.
 class Raw {

@@ -399,7 +399,7 @@ CALL(change_settings, act_change_device(services, asker, db::DeviceSettingsPatch
 CALL(set_time, act_set_clock(services, asker, 0, done))
 CALL(start_job, act_start_job(services, asker, JobKind::integrity_check, {}, done))
 CALL(cancel_job, act_cancel_job(services, asker, JobId{1}, done))
-CALL(set_tools, act_set_tools(services, asker, true, done))
+CALL(set_tools, act_set_tools(services, asker, true, "", done))
 CALL(create_patient, act_create_patient(services, asker, "P-1", done))
 CALL(change_patient, act_change_patient(services, asker, 7, {.code = "P-2", .archived = {}}, "", done))
 CALL(delete_patient, act_delete_patient(services, asker, 7, "", done))

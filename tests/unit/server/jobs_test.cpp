@@ -420,7 +420,7 @@ TEST_F(JobsRest, RetentionIsShownBeforeItIsSetAndActsAtTheNextStart) {
     EXPECT_EQ(refused.status, 422) << bad;
     EXPECT_EQ(refused.json()["errors"][0]["field"], field) << refused.body;
   }
-  EXPECT_EQ(call("PUT", "/api/v1/retention", rule(90, nullptr)).status, 428);
+  EXPECT_EQ(call("PUT", "/api/v1/retention", rule(90, nullptr), {{"If-Match", ""}}).status, 428);
   stop_server();
   record_into(folder_ / "hoist.db", 300);
   record_into(folder_ / "hoist.db", 300);

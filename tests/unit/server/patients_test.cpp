@@ -46,7 +46,7 @@ TEST_F(People, AChangeSaysWhatItWasMadeFor) {
   }
   for (const char* method : {"PATCH", "DELETE"}) {
     const json body = std::string(method) == "PATCH" ? json{{"archived", true}} : json();
-    EXPECT_EQ(call(method, at(patient), body).status, 428U) << method;
+    EXPECT_EQ(call(method, at(patient), body, {{"If-Match", ""}}).status, 428U) << method;
     EXPECT_EQ(call(method, at(patient), body, {{"If-Match", "\"0000000000000000\""}}).status, 412U) << method;
     EXPECT_EQ(call(method, "/api/v1/patients/99", body, {{"If-Match", "*"}}).status, 404U) << method;
   }
@@ -84,7 +84,7 @@ TEST_F(People, WhoIsChosenIsRecordedAndToldToAllScreens) {
   // The visit has a note; the patient goes with everything.
   const json visit = get("/api/v1/visits?patient=" + patient["id"].dump()).json()["items"].at(0);
   const std::string visit_at = "/api/v1/visits/" + visit["id"].dump();
-  EXPECT_EQ(call("PATCH", visit_at, {{"note", "tired"}}).status, 428U);
+  EXPECT_EQ(call("PATCH", visit_at, {{"note", "tired"}}, {{"If-Match", ""}}).status, 428U);
   EXPECT_EQ(call("PATCH", visit_at, {{"note", "tired"}}, seen(visit)).json()["note"], "tired");
   EXPECT_EQ(call("PATCH", visit_at, {{"note", "fresh"}}, seen(visit)).status, 412U);
   EXPECT_EQ(get(visit_at).json()["note"], "tired");
@@ -99,7 +99,7 @@ TEST_F(People, AnIdentityIsTheTherapistsAndInNoFile) {
   const json patient = made("P-017");
   const json who{{"name", "Zdenka Marolt-Quux"}, {"birth_date", "1948-02-29"}, {"note", "allergic to Heftpflaster"}};
   EXPECT_EQ(get(at(patient) + "/identity").json()["state"], "none");
-  EXPECT_EQ(call("PUT", at(patient) + "/identity", who).status, 428U);
+  EXPECT_EQ(call("PUT", at(patient) + "/identity", who, {{"If-Match", ""}}).status, 428U);
   const Answer stored = call("PUT", at(patient) + "/identity", who, seen(patient));
   ASSERT_EQ(stored.status, 200U) << stored.body;
   EXPECT_EQ(stored.json()["has_identity"], true);
@@ -157,7 +157,7 @@ TEST_F(People, AProfileIsSavedFromWhatIsInForceComparedAndAppliedWhole) {
   EXPECT_EQ(applied.json()["values"]["lean_dead_band_norm"], before);
 
   // A change is the next version; what a profile may hold is judged field by field.
-  EXPECT_EQ(call("PATCH", path, {{"settings", {{"lean_dead_band_norm", 0.2}}}}).status, 428U);
+  EXPECT_EQ(call("PATCH", path, {{"settings", {{"lean_dead_band_norm", 0.2}}}}, {{"If-Match", ""}}).status, 428U);
   const Answer changed = call("PATCH", path, {{"settings", {{"lean_dead_band_norm", 0.2}}}}, seen(profile));
   ASSERT_EQ(changed.status, 200U) << changed.body;
   EXPECT_EQ(changed.json()["version"], 2);

@@ -102,13 +102,14 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   const json exported = get("/api/v1/sessions/1/export?format=json").json();
   EXPECT_EQ(exported["rows"], session["samples"]);
   EXPECT_EQ(get("/api/v1/sessions/1/export?format=xls").status, 422);
-  const json events = get("/api/v1/sessions/1/events").json();
-  EXPECT_EQ(events["markers"][0]["text"], "=1+1 looks, good");
+  const json marker = get("/api/v1/sessions/1/markers").json()["items"][0];
+  EXPECT_EQ(marker["text"], "=1+1 looks, good");
   // Who asked stands with what was done; the connection's number does not.
   const json actor{{"user", "local"}, {"role", "engineer"}, {"origin", "rest"}, {"client", "script"}};
-  EXPECT_EQ(events["markers"][0]["actor"], actor);
+  EXPECT_EQ(marker["actor"], actor);
   int asked = 0;
-  for (const json& event : events["items"]) {
+  const json events = get("/api/v1/sessions/1/events").json()["items"];
+  for (const json& event : events) {
     EXPECT_FALSE(event.contains("client"));
     if (event["actor"] == actor) ++asked;
   }
@@ -256,7 +257,7 @@ TEST_F(Record, ASkippedStepIsAnExplicitGap) {
   core_->set([](contract::TickRecord& r) { r.tick += 7; });
   core_->skip(100);
   ASSERT_TRUE(until([&] { return get("/api/v1/sessions/1").json()["gaps"] == 1; }));
-  const json gap = get("/api/v1/sessions/1/events").json()["gaps"][0];
+  const json gap = get("/api/v1/sessions/1/gaps").json()["items"][0];
   EXPECT_EQ(gap["to_tick"].get<int>() - gap["from_tick"].get<int>(), 6);
   EXPECT_EQ(gap["reason"], "not_received");
   core_->set([](contract::TickRecord& r) {
@@ -265,7 +266,7 @@ TEST_F(Record, ASkippedStepIsAnExplicitGap) {
   });
   core_->skip(100);
   ASSERT_TRUE(until([&] { return get("/api/v1/sessions/1").json()["gaps"] == 2; }));
-  EXPECT_EQ(get("/api/v1/sessions/1/events").json()["gaps"][1]["reason"], "step_left_out") << "the core never made them";
+  EXPECT_EQ(get("/api/v1/sessions/1/gaps").json()["items"][1]["reason"], "step_left_out") << "the core never made them";
 }
 
 TEST_F(Record, ByHandOnStandby) {

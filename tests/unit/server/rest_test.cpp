@@ -339,6 +339,7 @@ TEST_F(Rest, AChangeOfSettingsIsAnsweredWhenItIsStored) {
   std::thread asking([&] {
     Headers headers = bearer_;
     headers.emplace_back("Content-Type", "application/json");
+    headers.emplace_back("If-Match", "*");
     answer = http(port_, "PUT", "/api/v1/parameters/speed_cap_norm", headers, R"({"value": 0.5})");
     early = !released;
   });
@@ -399,6 +400,7 @@ TEST_F(Rest, BodiesThatCannotBeUsed_H30) {
   const auto put = [&](const std::string& body, const char* type = "application/json") {
     Headers headers = bearer_;
     headers.emplace_back("Content-Type", type);
+    headers.emplace_back("If-Match", "*");
     const Answer answer = http(port_, "PUT", "/api/v1/parameters/lean_gain_filtered_units", headers, body);
     check_described("PUT", "/api/v1/parameters/lean_gain_filtered_units", answer);
     return answer;
@@ -668,6 +670,7 @@ TEST_F(Rest, FieldsThatNobodyKnowsAreNamed) {
   EXPECT_EQ(call("POST", "/api/v1/mode", {{"mode", "standby"}, {"please", true}}, lease).status, 200) << "ending motion is never refused";
   Headers headers = bearer_;
   headers.emplace_back("Content-Type", "application/json");
+  headers.emplace_back("If-Match", "*");
   const Answer twice = http(port_, "PUT", "/api/v1/parameters/lean_dead_band_norm", headers, "{\"value\": 0.1, \"value\": 0.2}");
   EXPECT_EQ(twice.status, 422);
   EXPECT_EQ(twice.json()["errors"][0]["message"], "is given twice");

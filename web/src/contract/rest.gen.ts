@@ -289,30 +289,24 @@ export type Emergency = {
 export type Empty = Record<string, never>;
 
 export type EventList = {
-  gaps: readonly {
-    from_tick: number;
-    reason: string;
-    stream: string;
-    to_tick: number;
-  }[];
-  items: readonly {
-    actor: ActorOrNull;
-    before: number;
-    bits: number;
-    code: number;
-    item: number;
-    kind: string;
-    name: string;
-    tick: number;
-    time_s: number;
-    value: number;
-  }[];
-  markers: readonly {
-    actor: ActorOrNull;
-    text: string;
-    tick: number;
-    utc_ms: number;
-  }[];
+  items: readonly EventRow[];
+  next: string | null;
+};
+
+export type EventRow = {
+  actor: ActorOrNull;
+  before: number;
+  bits: number;
+  code: number;
+  item: number;
+  kind: string;
+  name: string;
+  /** Within its session. */
+  number: number;
+  tick: number;
+  /** Since the session's start. */
+  time_s: number;
+  value: number;
 };
 
 /** What is walked; null and free mean the same. */
@@ -462,6 +456,22 @@ export type FirmwareUpdate = {
   version: string;
 };
 
+export type GapList = {
+  items: readonly GapRow[];
+  next: string | null;
+};
+
+export type GapRow = {
+  from_tick: number;
+  /** Within its session. */
+  number: number;
+  /** See the table of reasons in db/README.md. */
+  reason: string;
+  /** ticks, events or bus. */
+  stream: string;
+  to_tick: number;
+};
+
 /** What the hoist drives while the driver holds: the sizes of an exercise, its speed and its laps, held against the limits in force. */
 export type GuidedPath = {
   laps?: number | null;
@@ -583,6 +593,7 @@ export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'rest
 
 export type JobList = {
   items: readonly Job[];
+  next: string | null;
 };
 
 /** What to do. */
@@ -1735,6 +1746,7 @@ export type TokenMade = {
 
 export type Tools = {
   enabled: boolean;
+  etag: EditTag;
   /** Path of the WebSocket. */
   foxglove: string;
   /** Path of a layout file for Foxglove Studio. */
@@ -2105,8 +2117,9 @@ export interface Routes {
   'GET /api/v1/health': {
     answer: Health;
   };
-  /** Long work: what waits, what runs, and the latest 16 that ended. */
+  /** Long work, oldest first: what waits, what runs, and the latest 16 that ended. */
   'GET /api/v1/jobs': {
+    query?: { limit?: number; cursor?: string };
     answer: JobList;
   };
   /** Starts long work; its address is in the header Location, how far it is also on the WebSocket. */
@@ -2194,6 +2207,7 @@ export interface Routes {
   /** Changes several parameters, all or nothing. */
   'PATCH /api/v1/parameters': {
     body: ParameterValues;
+    etag: string | null;
     answer: ParameterResult;
   };
   /** Values on trial stay. */
@@ -2225,6 +2239,7 @@ export interface Routes {
   'PUT /api/v1/parameters/{name}': {
     path: { name: string };
     body: ParameterValue;
+    etag: string | null;
     answer: ParameterResult;
   };
   /** Whom the hoist walks with. */
@@ -2249,6 +2264,7 @@ export interface Routes {
   /** Deletes a patient with sessions, visits, profiles and identity, overwritten. */
   'DELETE /api/v1/patients/{id}': {
     path: { id: number };
+    etag: string | null;
     answer: null;
   };
   /** One patient. */
@@ -2260,11 +2276,13 @@ export interface Routes {
   'PATCH /api/v1/patients/{id}': {
     path: { id: number };
     body: PatientPatch;
+    etag: string | null;
     answer: Patient;
   };
   /** Takes the identity away, overwritten. */
   'DELETE /api/v1/patients/{id}/identity': {
     path: { id: number };
+    etag: string | null;
     answer: Patient;
   };
   /** Who a patient is, or why that cannot be shown; in no export or record. */
@@ -2276,6 +2294,7 @@ export interface Routes {
   'PUT /api/v1/patients/{id}/identity': {
     path: { id: number };
     body: IdentityRequest;
+    etag: string | null;
     answer: Patient;
   };
   /** A patient's settings by name, newest first. */
@@ -2308,12 +2327,13 @@ export interface Routes {
   /** Sets all values of a preset, all or nothing. */
   'POST /api/v1/presets/{name}/apply': {
     path: { name: string };
-    body?: Empty;
+    body?: KeepRequest;
     answer: ParameterResult;
   };
   /** Deletes a profile with its versions. */
   'DELETE /api/v1/profiles/{id}': {
     path: { id: number };
+    etag: string | null;
     answer: null;
   };
   /** One profile as it was saved last. */
@@ -2325,6 +2345,7 @@ export interface Routes {
   'PATCH /api/v1/profiles/{id}': {
     path: { id: number };
     body: ProfilePatch;
+    etag: string | null;
     answer: Profile;
   };
   /** Sets all values of a profile at standstill, all or nothing. */
@@ -2360,6 +2381,7 @@ export interface Routes {
   /** Sets how long sessions are kept; the job preview_retention tells what a rule would delete. */
   'PUT /api/v1/retention': {
     body: RetentionRule;
+    etag: string | null;
     answer: Retention;
   };
   /** Signs out; what this client drives stops. STOP stays possible. */
@@ -2393,6 +2415,7 @@ export interface Routes {
   /** Deletes a session with everything in it. */
   'DELETE /api/v1/sessions/{id}': {
     path: { id: number };
+    etag: string | null;
     answer: null;
   };
   /** One session. */
@@ -2404,11 +2427,13 @@ export interface Routes {
   'PATCH /api/v1/sessions/{id}': {
     path: { id: number };
     body: SessionPatch;
+    etag: string | null;
     answer: Session;
   };
-  /** Events, markers and gaps of a session. */
+  /** Events of a session, in the order in which they were recorded. */
   'GET /api/v1/sessions/{id}/events': {
     path: { id: number };
+    query?: { limit?: number; cursor?: string };
     answer: EventList;
   };
   /** A session in one of the formats of db/export/formats.def; of mcap also a part (Range). */
@@ -2416,6 +2441,12 @@ export interface Routes {
     path: { id: number };
     query?: { format?: 'csv' | 'csv_de' | 'events' | 'json' | 'candump' | 'mcap' | 'mat' | 'sqlite' | 'zip'; columns?: string; constant?: number; comments?: number };
     answer: never;
+  };
+  /** What is missing in a session, and why. */
+  'GET /api/v1/sessions/{id}/gaps': {
+    path: { id: number };
+    query?: { limit?: number; cursor?: string };
+    answer: GapList;
   };
   /** Markers of a session, in the order in which they were set. */
   'GET /api/v1/sessions/{id}/markers': {
@@ -2432,12 +2463,14 @@ export interface Routes {
   /** Deletes a marker, overwritten. */
   'DELETE /api/v1/sessions/{id}/markers/{number}': {
     path: { id: number; number: number };
+    etag: string | null;
     answer: null;
   };
   /** Changes text, kind or time of a marker. */
   'PATCH /api/v1/sessions/{id}/markers/{number}': {
     path: { id: number; number: number };
     body: MarkerPatch;
+    etag: string | null;
     answer: MarkerRow;
   };
   /** Figures of a session on its exercise. */
@@ -2474,6 +2507,7 @@ export interface Routes {
   /** Changes name or language of this hoist. */
   'PATCH /api/v1/settings': {
     body: DeviceSettingsPatch;
+    etag: string | null;
     answer: DeviceSettings;
   };
   /** Makes an engineer's account, or gives one a new password; needs the configuration switch and the code that the hoist shows. */
@@ -2540,6 +2574,7 @@ export interface Routes {
   /** Removes a token; its connections close. */
   'DELETE /api/v1/tokens/{id}': {
     path: { id: number };
+    etag: string | null;
     answer: null;
   };
   /** Whether Foxglove and rosbridge may connect, and their addresses. */
@@ -2549,7 +2584,8 @@ export interface Routes {
   /** Lets Foxglove and rosbridge connect, or ends that. */
   'PUT /api/v1/tools': {
     body: ToolsRequest;
-    answer: Done;
+    etag: string | null;
+    answer: Tools;
   };
   /** The accounts, by name. */
   'GET /api/v1/users': {
@@ -2565,6 +2601,7 @@ export interface Routes {
   'PATCH /api/v1/users/{name}': {
     path: { name: string };
     body: UserPatch;
+    etag: string | null;
     answer: User;
   };
   /** Visits, newest first: one patient on one day, with the sessions of it. */
@@ -2581,6 +2618,7 @@ export interface Routes {
   'PATCH /api/v1/visits/{id}': {
     path: { id: number };
     body: VisitPatch;
+    etag: string | null;
     answer: VisitRow;
   };
   /** The main figures of a visit's sessions for print, with mean and standard deviation. */

@@ -1,7 +1,7 @@
 // Long work of the server: started here, followed until it has ended.
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Job, JobRequest } from '../contract/rest.gen';
-import { rest, type Problem } from './rest';
+import { rest, wholeList, type Problem } from './rest';
 
 const follow_ms = 500;
 export const ended = (job: Job | null): boolean => job === null || job.state === 'done' || job.state === 'failed' || job.state === 'cancelled';
@@ -34,7 +34,7 @@ export function useJob(kind: JobRequest['kind'], whenDone?: (job: Job) => void):
   };
   useEffect(() => {
     here.current = true;
-    void rest('GET /api/v1/jobs').then((answer) => {
+    void wholeList((query) => rest('GET /api/v1/jobs', { query })).then((answer) => {
       const running = answer.ok ? answer.value.items.find((one) => one.kind === kind && !ended(one)) : undefined;
       if (running !== undefined && here.current) setJob((now) => now ?? running);
     });

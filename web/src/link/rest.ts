@@ -12,15 +12,15 @@ export interface Problem {
 }
 export type Answer<T> = { ok: true; value: T } | { ok: false; problem: Problem };
 
-/** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for. */
-type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'> & { etag?: string };
+/** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for, null for whatever there is. */
+type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'>;
 /** May be left out where the route needs nothing. */
 type MaybeGiven<R extends keyof Routes> = Record<never, never> extends Given<R> ? [given?: Given<R>] : [given: Given<R>];
 interface AnyGiven {
   path?: Record<string, string | number>;
   query?: Record<string, string | number | undefined>;
   body?: object;
-  etag?: string;
+  etag?: string | null;
 }
 
 const within_ms = 10_000;
@@ -45,7 +45,7 @@ export async function rest<R extends keyof Routes>(route: R, ...given: MaybeGive
   if (method !== 'GET') {
     headers['X-Hoist'] = '1';
     headers['Content-Type'] = 'application/json';
-    if (etag !== undefined) headers['If-Match'] = `"${etag}"`;
+    if (etag !== undefined) headers['If-Match'] = etag === null ? '*' : `"${etag}"`;
   }
   try {
     const response = await fetch(address(route, ...given), {

@@ -572,6 +572,7 @@ export const de: Table = {
   'sessions.markers': 'Merkpunkte',
   'sessions.events': 'Was geschah',
   'sessions.eventsNone': 'Keine Ereignisse.',
+  'sessions.eventsAll': 'Alle {n} Ereignisse zeigen',
   'sessions.simulated': 'Simulation',
   'sessions.unread': 'Nicht lesbar.',
   'sessions.notSaved': 'Nicht gespeichert.',

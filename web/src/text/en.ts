@@ -573,6 +573,7 @@ export const en = {
   'sessions.markers': 'Marks',
   'sessions.events': 'What happened',
   'sessions.eventsNone': 'No events.',
+  'sessions.eventsAll': 'Show all {n} events',
   'sessions.simulated': 'Simulation',
   'sessions.unread': 'Could not be read.',
   'sessions.notSaved': 'Not saved.',

@@ -259,7 +259,7 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
 function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; onChange: () => void }) {
   const [problem, setProblem] = useState<Problem | null>(null);
   const save = async (note: string, etag: string | undefined): Promise<boolean> => {
-    const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag });
+    const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag: etag ?? visit.etag });
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) notify('info', 'sessions.saved');
     onChange();

@@ -2,8 +2,8 @@
 import { useState } from 'preact/hooks';
 import type { MarkerKind, MarkerPatch, MarkerRow } from '../../contract/rest.gen';
 import { notify } from '../../link/console';
-import { useQuery } from '../../link/query';
-import { rest, wholeList, type Problem } from '../../link/rest';
+import type { Query } from '../../link/query';
+import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { duration, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
@@ -16,18 +16,15 @@ const textMost = 500;
 
 interface Props {
   session: number;
-  /** Loaded again when it changes. */
-  again: unknown;
-  onChange: () => void;
+  asked: Query<{ items: readonly MarkerRow[] }>;
 }
 
-export function Markers({ session, again, onChange }: Props) {
+export function Markers({ session, asked }: Props) {
   const role = useStore((s) => s.role);
-  const asked = useQuery(() => wholeList((query) => rest('GET /api/v1/sessions/{id}/markers', { path: { id: session }, query })), [session, again]);
   const [open, setOpen] = useState<number | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const items = asked.value?.items ?? [];
-  if (items.length === 0 && asked.problem === null) return null;
+  if (items.length === 0) return null;
 
   /** What was changed meanwhile is shown beside the refusal. */
   const settle = (refused: Problem | null): boolean => {
@@ -35,7 +32,6 @@ export function Markers({ session, again, onChange }: Props) {
     asked.retry();
     if (refused !== null) return false;
     setOpen(null);
-    onChange();
     return true;
   };
   const change = async (marker: MarkerRow, body: MarkerPatch) => {
@@ -51,7 +47,6 @@ export function Markers({ session, again, onChange }: Props) {
   return (
     <section class="card session-markers">
       <h2>{t('sessions.markers')}</h2>
-      <Trouble problem={asked.problem} retry={asked.retry} />
       <Trouble problem={problem} />
       <ul class="rows">
         {items.map((marker) => (

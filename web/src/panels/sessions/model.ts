@@ -1,6 +1,6 @@
 // The recorded sessions as /api/v1/sessions gives them.
 import type { SignalName } from '../../contract/signals.gen';
-import type { EventList, Samples, SessionList } from '../../contract/rest.gen';
+import type { EventRow, MarkerRow, Samples, SessionList } from '../../contract/rest.gen';
 
 /** An event, or a mark set by a therapist. */
 export interface StoryLine {
@@ -13,16 +13,16 @@ export interface StoryLine {
 }
 
 /** Events and marks in order of time. Answers to single commands are left out, since their effects are events too. */
-export function story(events: EventList, started_utc_ms: number): StoryLine[] {
-  const marks = events.markers.map((mark) => ({
-    time_s: (mark.utc_ms - started_utc_ms) / 1000,
+export function story(events: readonly EventRow[], markers: readonly MarkerRow[]): StoryLine[] {
+  const marks = markers.map((mark) => ({
+    time_s: mark.time_s,
     kind: 'marker',
     name: mark.text,
     value: null,
     before: null,
     code: null,
   }));
-  return [...events.items.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
+  return [...events.filter((event) => event.kind !== 'command_done'), ...marks].sort((a, b) => a.time_s - b.time_s);
 }
 
 /** Reads a time as duration() shows it: 75, 1:15, 1:01:11; seconds may have decimals. Null when it is none. */

@@ -4,7 +4,7 @@ import { exportFormats, type ExportFormat } from '../../contract/exports.gen';
 import type { SignalName } from '../../contract/signals.gen';
 import { useQuery, type Query } from '../../link/query';
 import { notify } from '../../link/console';
-import { address, rest, type Answer, type Problem } from '../../link/rest';
+import { address, rest, wholeList, type Answer, type Problem } from '../../link/rest';
 import type { Exercise, Metrics, Samples, Session, SessionList, SessionPatch } from '../../contract/rest.gen';
 import { useStore } from '../../link/store';
 import { problemText, reasonText } from '../../text/server';
@@ -34,7 +34,8 @@ const pathRuns = 2000;
 const curveRuns = 800;
 const curvesMost = 4;
 const pageSize = 50;
-const eventsShown = 200;
+/** Events that are drawn before somebody asks for all of them. */
+const eventsFirst = 200;
 /** Pause in typing before the search is sent. */
 const typing_ms = 250;
 
@@ -213,6 +214,7 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
   const drawn = useLazy(chart);
+  const [shown, setShown] = useState(eventsFirst);
   // Right after its end a session is still being closed: it is loaded again when the recording is over.
   const recorded = useStore((s) => s.recording.state === 'recording' && s.recording.session === id);
   const asked = useQuery(() => rest('GET /api/v1/sessions/{id}', { path: { id } }), [id, recorded]);
@@ -226,27 +228,28 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
     // Sessions from before the slip-repaired track have the encoders' own only.
     return fused.ok || fused.problem.status !== unprocessable ? fused : from('x_m,y_m');
   }, [id, recorded]);
-  const events = useQuery(() => rest('GET /api/v1/sessions/{id}/events', { path: { id } }), [id, recorded]);
+  const events = useQuery(() => wholeList((query) => rest('GET /api/v1/sessions/{id}/events', { path: { id }, query })), [id, recorded]);
+  const markers = useQuery(() => wholeList((query) => rest('GET /api/v1/sessions/{id}/markers', { path: { id }, query })), [id, recorded]);
   const samples = useQuery(
     () => (names.length === 0 ? Promise.resolve<Answer<Samples | null>>({ ok: true, value: null }) : samplesOf(id, names.join(','), curveRuns)),
     [id, recorded, names],
   );
 
-  const all: readonly Query<unknown>[] = [asked, metrics, path, events, samples];
+  const all: readonly Query<unknown>[] = [asked, metrics, path, events, markers, samples];
   const unread = all.find((one) => one.problem !== null)?.problem ?? null;
   const retry = () => all.filter((one) => one.problem !== null).forEach((one) => one.retry());
   /** Placeholder while loading or after an error; never the text for "no events". */
   const instead = (one: Query<unknown>) => t(one.problem === null ? 'common.loading' : 'sessions.unread');
 
-  const happened = events.value !== null && session !== null ? story(events.value, session.started_utc_ms) : [];
+  const happened = events.value !== null && markers.value !== null ? story(events.value.items, markers.value.items) : [];
   const toggle = (name: SignalName) =>
     setNames((before) => (before.includes(name) ? before.filter((item) => item !== name) : [...before, name].slice(-curvesMost)));
   const here = useRef(true);
   useEffect(() => () => void (here.current = false), []);
   // One after the other: each is made for what the one before has left.
   const saving = useRef<Promise<unknown>>(Promise.resolve());
-  const tag = useRef<string | undefined>(undefined);
-  useEffect(() => void (tag.current = session?.etag), [session]);
+  const tag = useRef('');
+  useEffect(() => void (tag.current = session?.etag ?? ''), [session]);
   const save = (change: SessionPatch): Promise<boolean> => {
     const saved = saving.current.then(() => saveNow(change));
     saving.current = saved;
@@ -355,23 +358,28 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
           </div>
         </section>
       </div>
-      <Markers session={id} again={recorded} onChange={events.retry} />
+      <Markers session={id} asked={markers} />
       <section class="card">
         <h2>{t('sessions.events')}</h2>
-        {events.value === null || session === null ? (
-          <p class="hint">{instead(events.value === null ? events : asked)}</p>
+        {events.value === null || markers.value === null ? (
+          <p class="hint">{instead(events.value === null ? events : markers)}</p>
         ) : happened.length === 0 ? (
           <p class="hint">{t('sessions.eventsNone')}</p>
         ) : null}
         <Scroll class="events" label={t('sessions.events')}>
           <ul>
-            {happened.slice(0, eventsShown).map((event, index) => (
+            {happened.slice(0, shown).map((event, index) => (
               <li key={index}>
                 <span class="num">{duration(event.time_s)}</span> {eventText(event.kind, event.name, event.value, event.before, event.code)}
               </li>
             ))}
           </ul>
         </Scroll>
+        {happened.length > shown ? (
+          <button type="button" class="quiet" onClick={() => setShown(Infinity)}>
+            {t('sessions.eventsAll', { n: happened.length })}
+          </button>
+        ) : null}
       </section>
     </div>
   );

@@ -14,8 +14,8 @@ export function ToolsSection() {
   const role = useStore((s) => s.role);
   const tools = useQuery(() => rest('GET /api/v1/tools'), []);
   const [problem, setProblem] = useState<Problem | null>(null);
-  const set = async (enabled: boolean) => {
-    const answer = await rest('PUT /api/v1/tools', { body: { enabled } });
+  const set = async (enabled: boolean, etag: string) => {
+    const answer = await rest('PUT /api/v1/tools', { body: { enabled }, etag });
     setProblem(answer.ok ? null : answer.problem);
     tools.retry();
   };
@@ -33,7 +33,7 @@ export function ToolsSection() {
               type="checkbox"
               checked={now.enabled}
               disabled={!may(role, 'engineer')}
-              onChange={(event) => void set(event.currentTarget.checked)}
+              onChange={(event) => void set(event.currentTarget.checked, now.etag)}
             />
             <span>{t('tools.allow')}</span>
           </label>
