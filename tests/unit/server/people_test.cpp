@@ -12,6 +12,7 @@
 
 #include "server/api/download_log.hpp"
 #include "server/contract/audit.hpp"
+#include "server/contract/jobs.hpp"
 #include "server/contract/routes.hpp"
 #include "server/http/auth.hpp"
 #include "server/http/listener.hpp"
@@ -37,6 +38,7 @@ struct Browser {
   Answer call(const std::string& method, const std::string& target, const json& body = nullptr, const Headers& more = {}) {
     Headers headers{{"X-Hoist", "1"}, {"Origin", "http://127.0.0.1:" + std::to_string(port)}};
     if (!cookie.empty()) headers.emplace_back("Cookie", cookie);
+    add_any_tag(headers, method, more);
     if (!body.is_null()) headers.emplace_back("Content-Type", "application/json");
     headers.insert(headers.end(), more.begin(), more.end());
     Answer answer = http(port, method, target, headers, body.is_null() ? "" : body.dump());
@@ -279,6 +281,30 @@ TEST_F(People, a_changed_role_and_a_disabled_account_hold_at_once) {
   const Answer last = call("PATCH", "/api/v1/users/erika", {{"role", "viewer"}});
   EXPECT_EQ(last.status, 409U);
   EXPECT_EQ(call("PATCH", "/api/v1/users/nobody", {{"role", "viewer"}}).status, 404U);
+}
+
+// The route lets a therapist in; what a kind of job needs stands in its row of jobs.def.
+TEST_F(People, a_job_is_started_and_cancelled_by_the_role_of_its_kind) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  Browser anna = signed_in("anna"), erika = signed_in("erika");
+  const auto by_role = [](const Answer& answer) { return answer.json().value("type", "") == "/problems/role"; };
+  std::size_t begun = 0;
+  for (const server::JobKindInfo& kind : server::kJobKinds) {
+    json wish{{"kind", kind.name}};
+    if (kind.name == "restore") wish["backup"] = "none";
+    if (kind.name == "preview_retention") wish["rule"] = {{"days", 90}, {"disk_percent", nullptr}, {"needs_backup", false}};
+    const Answer answer = anna.call("POST", "/api/v1/jobs", wish);
+    EXPECT_EQ(by_role(answer), kind.role == contract::Role::engineer) << kind.name << " " << answer.body;
+    begun += answer.status == 202U ? 1 : 0;
+  }
+  EXPECT_GT(begun, 0U);
+  const Answer engineers = erika.call("POST", "/api/v1/jobs", {{"kind", "list_backups"}});
+  ASSERT_EQ(engineers.status, 202U) << engineers.body;
+  const std::string place = engineers.header("location");
+  EXPECT_TRUE(by_role(anna.call("DELETE", place)));
+  // By then it may have ended, which is told to those who may cancel it.
+  EXPECT_FALSE(by_role(erika.call("DELETE", place)));
 }
 
 TEST_F(People, who_signs_out_while_driving_leaves_the_lease_and_can_still_stop) {
