@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "control/core/serve/param_keeper.hpp"
 #include "tests/machine/lpc11c24.hpp"
 #include "tests/machine/stm32f072.hpp"
 
@@ -318,11 +319,19 @@ void MachineLoop::step() {
   inputs.server_heartbeat = ++heartbeat_;
   core::tick(*core_, inputs, core::kTick_s, *outputs_);
   commands_.clear();
-  // Whoever checked them had the same parts.
-  if (core_->master.all_running()) core_->params.calibrated_nodes_id = static_cast<double>(core_->master.nodes_id());
+  sign_parts();
   for (const CanFrame& frame : outputs_->frames) bench_.host_send(frame);
   for (const contract::Event& event : outputs_->events) events_.push_back(event);
   for (int i = 0; i < 10; ++i) bench_.advance_1ms();
+}
+
+// Whoever checked the parts had the same ones.
+void MachineLoop::sign_parts() {
+  const auto id = static_cast<double>(core_->master.nodes_id());
+  if (!core_->master.all_running() || core_->params.calibrated_nodes_id == id) return;
+  core::Staging set;
+  static_cast<void>(set.rows.push_back({contract::param_index(contract::ParamName::calibrated_nodes_id), id}));
+  core::put_into_force(*core_, set, {}, 0);
 }
 
 void MachineLoop::run(double seconds) {

@@ -152,6 +152,7 @@ class MachineLoop {
   [[nodiscard]] std::string faults() const;
 
  private:
+  void sign_parts();
   static constexpr std::uint32_t kClient = 1;
   HoistBench bench_;
   std::unique_ptr<core::CoreState> core_;
