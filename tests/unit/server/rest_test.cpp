@@ -749,7 +749,8 @@ TEST_F(Rest, StrutsAreZeroedOnlyAfterAConfirmation) {
   ASSERT_EQ(call("POST", "/api/v1/lease", json::object()).status, 200);
   const json calibration = get("/api/v1/calibration").json();
   for (const json& item : calibration["items"]) {
-    const bool needed = item["name"] == "zero" || item["name"] == "strut_length" || item["name"] == "strut_spacing";
+    const bool needed =
+        item["name"] == "zero" || item["name"] == "strut_length" || item["name"] == "strut_spacing" || item["name"] == "struts";
     EXPECT_EQ(item["empty_harness"], needed) << item["name"];
   }
   for (const json& refused : {json{{"step", "zero"}}, json{{"step", "zero"}, {"harness_empty", false}}}) {

@@ -636,7 +636,7 @@ export const de: Table = {
   'calibrate.checked': 'Alle Prüfungen bestanden.',
   'calibrate.failed': 'Die Schritte lassen sich gerade nicht lesen.',
   'calibrate.simulated':
-    'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Streben genullt und Räder, Stoßfänger und Strebensensoren geprüft sind.',
+    'Simulation: Gehen ist auch ohne Kalibrierung möglich. Ein echtes Gerät startet erst, wenn die Nullpunkte der Streben gesetzt und Räder, Stoßfänger und Strebensensoren geprüft sind.',
   'calibrate.still': 'In Ruhe',
   'calibrate.moving': 'Bewegt sich',
   'calibrate.progress': 'Fortschritt',
