@@ -1,10 +1,22 @@
-# Headers that many sources of a target include, compiled once: the standard library's and those of Debian packages. Never a header of this tree: each
-# source includes what it uses, and a changed header must not rebuild everything. Only for g++, and not for sanitizers: those builds also keep the
-# warnings that g++ 12 gives falsely about std::string once <string> is precompiled.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT HOIST_SANITIZE)
-  set(HOIST_PRECOMPILE ON)
+# Two ways to compile less, for g++ alone; clang-tidy and the builds with sanitizers take each source by itself, so each still includes what it uses.
+#   Headers that many sources of a target include are compiled once: the standard library's and those of Debian packages. Never a header of this
+#   tree, because a changed header must not rebuild everything. g++ 12 then gives some warnings about std::string falsely.
+#   Several sources of a target are compiled as one: each would instantiate the same templates of those packages again, which is half the time.
+option(HOIST_PRECOMPILE "precompiled headers, and several sources as one" ON)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR HOIST_SANITIZE)
+  set(HOIST_PRECOMPILE OFF)
+endif()
+if(HOIST_PRECOMPILE)
   add_compile_options(-fpch-preprocess)  # ccache asks for it
 endif()
+# hoist_join(TARGET [ALONE FILES…]): FILES have private names that other sources of the target have, too. What replaces operator new is alone anyway.
+function(hoist_join target)
+  if(HOIST_PRECOMPILE)
+    cmake_parse_arguments(arg "" "" "ALONE" ${ARGN})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
+    set_source_files_properties(${arg_ALONE} ${CMAKE_SOURCE_DIR}/control/run/heap_watch.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
 function(hoist_precompile target)
   if(HOIST_PRECOMPILE)
     target_precompile_headers(${target} PRIVATE ${ARGN})

@@ -10,10 +10,6 @@
 namespace hoist::core::test {
 namespace {
 
-constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
-
-std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
-
 // Stops the hoist once with this fault, removes the fault and acknowledges, if possible.
 template <typename Break, typename Mend>
 void stop_once(ScriptedHoist& hoist, Break&& break_it, Mend&& mend_it) {

@@ -10,10 +10,8 @@ namespace {
 using contract::fault_bit;
 using contract::Node;
 
-constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
 constexpr std::uint16_t kBlocked = 0x7121, kEncoder = 0x7305;
 
-std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
 std::uint8_t cause(Fault fault) { return static_cast<std::uint8_t>(static_cast<unsigned>(fault) + 1U); }
 
 // The drive stops with this code: its emergency message first, then its status word.

@@ -12,8 +12,6 @@ namespace {
 
 namespace canopen = contract::canopen;
 
-constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
-
 // The last step's command to the relay, if any, without the synchronisation output.
 std::optional<std::uint8_t> told_relay(const ScriptedHoist& hoist) {
   for (const contract::CanFrame& frame : hoist.sent)

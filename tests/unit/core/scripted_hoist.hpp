@@ -427,4 +427,9 @@ class ScriptedHoist {
   std::uint8_t last_bumpers_ = 0;
 };
 
+/// Roles that acknowledge.
+inline constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
+/// By the holder of the lease. Refusal bits.
+inline std::uint32_t acknowledge_as(ScriptedHoist& hoist, std::uint32_t role) { return hoist.ask(CommandKind::acknowledge, 7, 0, role); }
+
 }  // namespace hoist::core::test

@@ -13,8 +13,6 @@ namespace {
 using contract::AlarmCommand;
 using contract::AlarmLevel;
 
-constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
-
 // What the input node was told last: at most 50 ms old.
 AlarmCommand told(ScriptedHoist& hoist) {
   std::optional<AlarmCommand> last;

@@ -12,8 +12,6 @@ namespace {
 
 using contract::ParamName;
 
-constexpr std::uint32_t kTherapist = 1, kEngineer = 2;
-
 std::uint32_t id_of(ParamName name) { return contract::kParams[contract::param_index(name)].id; }
 
 bool same(const contract::Params& a, const contract::Params& b) {
