@@ -9,7 +9,8 @@ endif()
 if(HOIST_PRECOMPILE)
   add_compile_options(-fpch-preprocess)  # ccache asks for it
 endif()
-# hoist_join(TARGET [ALONE FILES…]): FILES have private names that other sources of the target have, too. What replaces operator new is alone anyway.
+# hoist_join(TARGET [ALONE FILES…]): FILES have private names that other sources of the target have, too. What replaces operator new is alone in
+# every target.
 function(hoist_join target)
   if(HOIST_PRECOMPILE)
     cmake_parse_arguments(arg "" "" "ALONE" ${ARGN})

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# patients of many illnesses walk, fall and faint in virtual time; prints stops that nobody asked for, and falls found in time
+# patients of many illnesses walk, fall and faint in virtual time; prints unasked stops and falls found in time
 #
 # options: --hours H, --falls N, --patient NAME, --seed S, --set NAME=VALUE, --jobs N (hoist-family --help says what they mean)
 #          --tradeoff    for each guard: false stops against falls found, over a range of each threshold

@@ -343,7 +343,7 @@ void Patient::think(const PatientSenses& senses) {
       break;
   }
   if (frozen()) {
-    // Feet on the spot: the legs hold the body where it is on the floor, whatever the hoist does.
+    // Feet on the spot: the legs hold the body where it is on the floor, also against the hoist.
     push_goal_m_s_ = compensation_n_ = yaw_goal_rad_ = gait_goal_norm_ = 0.0;
   }
   if (holds_turn_) yaw_goal_rad_ = held_turn_rad_;

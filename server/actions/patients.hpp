@@ -1,5 +1,5 @@
 // What a client may do with patients, their visits and their profiles. A change carries the tag of what it was made for (db/store/edit_tag.hpp);
-// empty = whatever there is. `Outcome::row` is the row as it is afterwards.
+// empty = any state. `Outcome::row` is the row as it is afterwards.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -161,7 +161,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
     return problem(403, "role", "Your role may not do this", "Ask someone with the role " + std::string{access_name(route.access)} + ".");
   if (needs_tag(route) && request.header("if-match").empty())
     return problem(428, "if-match", "The change does not say what it was made for",
-                   "Send the ETag that you were shown as If-Match; * changes whatever there is.");
+                   "Send the ETag that you were shown as If-Match; * stands for any ETag.");
   if (stops) {
     call.body = std::make_shared<const nlohmann::json>(nlohmann::json::object());
     return std::nullopt;

@@ -1,5 +1,5 @@
-// A patient of the family walks in one mode, in virtual time, with a therapist where the mode needs one. Nothing breaks: a stop that nobody
-// asked for is counted with its cause.
+// A patient of the family walks in one mode, in virtual time, with a therapist where the mode needs one. Nothing breaks: an unasked
+// stop is counted with its cause.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -26,7 +26,7 @@ struct WalkOptions {
 struct WalkTally {
   double moving_s = 0;                 ///< in the mode
   double rolling_s = 0;                ///< of those, faster than 0.02 m/s
-  std::map<std::string, int> unasked;  ///< stops that nobody asked for, by cause
+  std::map<std::string, int> unasked;  ///< unasked stops, by cause
   int frozen = 0;                      ///< stops of a hoist led by another whose patient's feet were frozen: rightly not dragged on
   int refused = 0;                     ///< starts that were not granted within 10 s
 

@@ -325,7 +325,7 @@ void MachineLoop::step() {
   for (int i = 0; i < 10; ++i) bench_.advance_1ms();
 }
 
-// Whoever checked the parts had the same ones.
+// The last step of a technician's check: the serial numbers that it was made with.
 void MachineLoop::sign_parts() {
   const auto id = static_cast<double>(core_->master.nodes_id());
   if (!core_->master.all_running() || core_->params.calibrated_nodes_id == id) return;

@@ -211,7 +211,7 @@ class Hoist:
         if body is not None:
             request.add_header("Content-Type", "application/json")
         if method in ("PUT", "PATCH", "DELETE"):
-            request.add_header("If-Match", "*")  # for whatever there is
+            request.add_header("If-Match", "*")  # for any ETag
         if self.epoch is not None:
             request.add_header("X-Hoist-Lease", str(self.epoch))
         try:

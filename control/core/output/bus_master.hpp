@@ -225,7 +225,7 @@ class BusMaster {
 
   static constexpr bool other_rules(std::uint32_t revision) noexcept { return revision >> 16U != kRevision >> 16U; }
 
-  // The parts of a simulator have no numbers that anybody would check.
+  // A simulated node has no serial number: parts_checked() needs none of it.
   static constexpr bool asks_serial(const Link& link) noexcept {
     return !link.serial_known && (link.product & contract::canopen::kSimulatedProduct) == 0;
   }

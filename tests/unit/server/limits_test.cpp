@@ -35,7 +35,7 @@ TEST_F(Limits, AHeaderInPartsIsLikeAWholeOne_H30) {
     for (std::size_t at = 0; at < bytes.size() && socket.send(bytes.substr(at, part)); at += part) continue;
     return socket.read_to_end().substr(0, 12);
   };
-  // Fields of 64 bytes each, so that a read ends with a field, whatever packets come together.
+  // Fields of 64 bytes each, so that a read ends with a field, also when packets come together.
   const auto request = [&](std::size_t header_bytes) {
     std::string text = "GET / HTTP/1.1\r\n" + host() + "Connection: close\r\n";
     text += "X: " + std::string(128 - text.size() - 5, 'x') + "\r\n";

@@ -12,7 +12,7 @@ export interface Problem {
 }
 export type Answer<T> = { ok: true; value: T } | { ok: false; problem: Problem };
 
-/** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for, null for whatever there is. */
+/** What a route takes: fields of its path, its query, its body; `etag` of what a change is made for, null for any. */
 type Given<R extends keyof Routes> = Omit<Routes[R], 'answer'>;
 /** May be left out where the route needs nothing. */
 type MaybeGiven<R extends keyof Routes> = Record<never, never> extends Given<R> ? [given?: Given<R>] : [given: Given<R>];

@@ -34,7 +34,7 @@ const pathRuns = 2000;
 const curveRuns = 800;
 const curvesMost = 4;
 const pageSize = 50;
-/** Events that are drawn before somebody asks for all of them. */
+/** Events that are drawn until all are asked for. */
 const eventsFirst = 200;
 /** Pause in typing before the search is sent. */
 const typing_ms = 250;
