@@ -15,7 +15,7 @@ class SlowDisk {
  public:
   explicit SlowDisk(std::chrono::milliseconds each_sync) {
     state().sync_ms = static_cast<int>(each_sync.count());
-    state().syncs = 0;
+    state().syncs = state().ended = 0;
     below_ = sqlite3_vfs_find(nullptr);
     vfs_ = *below_;
     vfs_.zName = "hoist-slow";
@@ -37,10 +37,15 @@ class SlowDisk {
   SlowDisk& operator=(const SlowDisk&) = delete;
   void set(std::chrono::milliseconds each_sync) { state().sync_ms = static_cast<int>(each_sync.count()); }
   [[nodiscard]] int syncs() const { return state().syncs; }
+  /// The number of the sync under way, 0 for none. The same number twice: it lasted all the time between.
+  [[nodiscard]] int running() const {
+    const int begun = state().syncs;
+    return begun > state().ended ? begun : 0;
+  }
 
  private:
   struct State {
-    std::atomic<int> sync_ms = 0, syncs = 0;
+    std::atomic<int> sync_ms = 0, syncs = 0, ended = 0;
     std::mutex mutex;
     std::map<const sqlite3_io_methods*, sqlite3_io_methods> methods;
     std::map<const sqlite3_io_methods*, const sqlite3_io_methods*> originals;
@@ -61,7 +66,9 @@ class SlowDisk {
       }
       ++state().syncs;
       std::this_thread::sleep_for(std::chrono::milliseconds(state().sync_ms));
-      return below->xSync(file, flags);
+      const int code = below->xSync(file, flags);
+      ++state().ended;
+      return code;
     };
     return &at->second;
   }

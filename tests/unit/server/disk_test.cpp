@@ -1,17 +1,15 @@
 // Disks that are slow or full: the network, driving and the walk do not notice, and what can be recorded is.
-#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <set>
 
 #include "tests/support/slow_disk.hpp"
 #include "tests/unit/server/fixture.hpp"
 
 namespace hoist::test {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 class Disks : public ServerTest {
  protected:
@@ -29,6 +27,19 @@ class Disks : public ServerTest {
     ASSERT_TRUE(until([&] { return get("/api/v1/health").json()["recordings"]["state"] == "sound"; }));
     ASSERT_TRUE(until([&] { return call("POST", "/api/v1/recording", {{"action", "start"}}).status == 200; }));
   }
+  // Does it again until two syncs have each seen it begin and end; how many have. Whoever waits for the disk never ends within one, however
+  // slow the machine is.
+  template <typename Piece>
+  std::size_t answered_during_syncs(Piece piece) {
+    std::set<int> syncs;
+    until([&] {
+      const int sync = slow_->running();
+      piece();
+      if (sync != 0 && slow_->running() == sync) syncs.insert(sync);
+      return syncs.size() == 2;
+    });
+    return syncs.size();
+  }
   json recording() { return get("/api/v1/recording").json(); }
   std::optional<tests::SlowDisk> slow_;
   // A file system in memory at this folder; false when this user may not mount one.
@@ -42,59 +53,35 @@ class Disks : public ServerTest {
 
 // H25
 TEST_F(Disks, ASyncOfHalfASecondDelaysNoAnswerAndCostsNoSample) {
-  constexpr auto kSync = std::chrono::milliseconds(500);
-  slow_.emplace(kSync);
+  slow_.emplace(std::chrono::milliseconds(500));
   begin();
   Live live(port_, bearer_);
   ASSERT_EQ(live.status(), 101U);
-  const int syncs = slow_->syncs();
-  auto longest = Clock::duration::zero();
-  for (const auto end = Clock::now() + 6 * kSync; Clock::now() < end;) {
-    const auto asked = Clock::now();
-    EXPECT_EQ(get("/api/v1/status").status, 200);
-    longest = std::max(longest, Clock::now() - asked);
-  }
-  EXPECT_GE(slow_->syncs() - syncs, 3) << "the recorder waited for the disk all the time";
-  std::printf("longest answer %.1f ms beside syncs of 500 ms\n", std::chrono::duration<double, std::milli>(longest).count());
-  EXPECT_LT(longest, kSync / 2);
+  EXPECT_EQ(answered_during_syncs([&] { EXPECT_EQ(get("/api/v1/status").status, 200); }), 2U);
   const auto session = recording()["session"];
   ASSERT_TRUE(until([&] { return call("POST", "/api/v1/recording", {{"action", "stop"}}).status == 200; }));
   EXPECT_EQ(get("/api/v1/sessions/" + session.dump()).json()["gaps"], 0) << "samples wait in memory";
 }
 
-// H17, H25: while the recorder waits for a sync of two seconds, a hand on the stick and STOP reach the core as always.
-TEST_F(Disks, ASyncOfSecondsDelaysNeitherDrivingNorStop) {
-  using std::chrono::milliseconds;
-  constexpr milliseconds kSync(2000);
-  slow_.emplace(milliseconds(0));
+// H17, H25: while the recorder waits for syncs of a second, a hand on the stick and STOP reach the core as always.
+TEST_F(Disks, ASyncOfASecondDelaysNeitherDrivingNorStop) {
+  slow_.emplace(std::chrono::seconds(0));
   begin();
   Live driver(port_, bearer_);
   ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
-  slow_->set(kSync);
-  const int syncs = slow_->syncs();
-  ASSERT_TRUE(until([&] { return slow_->syncs() > syncs; }));
-  auto longest_drive = Clock::duration::zero(), longest_stop = Clock::duration::zero();
+  slow_->set(std::chrono::seconds(1));
   std::uint64_t sequence = 0;
-  for (const auto end = Clock::now() + kSync + kSync / 2; Clock::now() < end;) {
-    const auto sent = Clock::now();
-    driver.send({{"type", "drive"}, {"sequence", ++sequence}, {"echo", 5}, {"speed", 0.5}, {"yaw", 0.0}, {"held", true}});
-    while (core_->drive().sequence != sequence && Clock::now() - sent < kSync) EXPECT_EQ(get("/api/v1/status").status, 200);
-    longest_drive = std::max(longest_drive, Clock::now() - sent);
-    // As often as the console sends while the stick is held.
-    while (Clock::now() - sent < milliseconds(40)) EXPECT_EQ(get("/api/v1/status").status, 200);
-    if (sequence % 10 != 0) continue;
-    const auto asked = Clock::now();
-    EXPECT_EQ(call("POST", "/api/v1/stop").status, 200);
-    longest_stop = std::max(longest_stop, Clock::now() - asked);
-    EXPECT_EQ(core_->mode(), contract::Mode::protective_stop);
-  }
-  const auto in_ms = [](Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); };
-  std::printf("beside syncs of 2 s: hand to core %.1f ms, STOP %.1f ms at most\n", in_ms(longest_drive), in_ms(longest_stop));
-  EXPECT_GT(slow_->syncs(), syncs) << "the disk was slow all the time";
-  EXPECT_GE(sequence, 20U);
-  EXPECT_LT(longest_drive, kSync / 4);
-  EXPECT_LT(longest_stop, kSync / 4);
-  slow_->set(milliseconds(0));
+  EXPECT_EQ(answered_during_syncs([&] {
+              driver.send({{"type", "drive"}, {"sequence", ++sequence}, {"echo", 5}, {"speed", 0.5}, {"yaw", 0.0}, {"held", true}});
+              ASSERT_TRUE(until([&] { return core_->drive().sequence == sequence; }));
+            }),
+            2U);
+  EXPECT_EQ(answered_during_syncs([&] {
+              EXPECT_EQ(call("POST", "/api/v1/stop").status, 200);
+              EXPECT_EQ(core_->mode(), contract::Mode::protective_stop);
+            }),
+            2U);
+  slow_->set(std::chrono::seconds(0));
 }
 
 TEST_F(Disks, AReadOnlyDiskIsToldAndRecordedIntoOnceItMayBeWritten) {
