@@ -24,6 +24,11 @@ Problem problem_of(const Outcome& outcome) {
       problem.name = "refused";
       problem.title = "Refused";
       if (outcome.reason) says(*outcome.reason);
+      // As the router answers: waiting or taking control would not help.
+      if (outcome.reason == Reason::role || std::ranges::find(outcome.refusals, "not_allowed") != outcome.refusals.end()) {
+        problem.status = 403;
+        says(Reason::role);
+      }
       break;
     case Outcome::Kind::invalid:
       problem.status = 422;

@@ -288,7 +288,7 @@ TEST_F(People, a_job_is_started_and_cancelled_by_the_role_of_its_kind) {
   set_up_engineer();
   add_user("anna", "therapist");
   Browser anna = signed_in("anna"), erika = signed_in("erika");
-  const auto by_role = [](const Answer& answer) { return answer.json().value("type", "") == "/problems/role"; };
+  const auto by_role = [](const Answer& answer) { return answer.status == 403 && answer.json().value("type", "") == "/problems/role"; };
   std::size_t begun = 0;
   for (const server::JobKindInfo& kind : server::kJobKinds) {
     json wish{{"kind", kind.name}};
@@ -305,6 +305,11 @@ TEST_F(People, a_job_is_started_and_cancelled_by_the_role_of_its_kind) {
   EXPECT_TRUE(by_role(anna.call("DELETE", place)));
   // By then it may have ended, which is told to those who may cancel it.
   EXPECT_FALSE(by_role(erika.call("DELETE", place)));
+  // Nor is the role of a parameter that of its route.
+  const auto engineers_own = std::ranges::find(contract::kParams, contract::Role::engineer, &contract::ParamInfo::role);
+  ASSERT_NE(engineers_own, contract::kParams.end());
+  const std::string parameter = "/api/v1/parameters/" + std::string(engineers_own->name);
+  EXPECT_TRUE(by_role(anna.call("PUT", parameter, {{"value", engineers_own->default_value}})));
 }
 
 TEST_F(People, who_signs_out_while_driving_leaves_the_lease_and_can_still_stop) {
@@ -375,7 +380,7 @@ TEST_F(People, every_route_asks_for_its_role) {
     Headers headers;
     int rank;  // -1 = not signed in
   };
-  const Headers page{{"X-Hoist", "1"}, {"Origin", origin()}};
+  Headers page{{"X-Hoist", "1"}, {"Origin", origin()}};
   const auto cookie_of = [&](Browser one) {
     Headers headers = page;
     headers.emplace_back("Cookie", one.cookie);
@@ -383,6 +388,27 @@ TEST_F(People, every_route_asks_for_its_role) {
   };
   Browser ended = signed_in("a.engineer");
   ASSERT_EQ(ended.call("DELETE", "/api/v1/session").status, 200U);
+  // A sign-in and a token whose time is up, as the server finds them when it starts.
+  Browser late = signed_in("a.engineer");
+  const json token = late.call("POST", "/api/v1/tokens", {{"name", "old"}, {"scope", "engineer"}, {"days", 1}}).json();
+  stop_server();
+  const std::string digest = server::digest_of_secret(late.cookie.substr(late.cookie.find('=') + 1));
+  sqlite3* file = nullptr;
+  ASSERT_EQ(sqlite3_open((folder_ / "accounts.db").c_str(), &file), SQLITE_OK);
+  for (const std::string& sql : {"UPDATE sign_ins SET begun_s = 1, used_s = 1 WHERE secret_sha256 = '" + digest + "'",
+                                 std::string("UPDATE tokens SET expires_s = 1")}) {
+    ASSERT_EQ(sqlite3_exec(file, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    ASSERT_EQ(sqlite3_changes(file), 1) << sql;
+  }
+  sqlite3_close(file);
+  start_server();
+  wait_for_core();
+  page = {{"X-Hoist", "1"}, {"Origin", origin()}};
+  const Headers expired_token{{"Authorization", "Bearer " + token["token"].get<std::string>()}};
+  // The browser of an engineer, on the page of somebody else.
+  const auto elsewhere = [&] {
+    return Headers{{"X-Hoist", "1"}, {"Origin", "http://example.org"}, {"Cookie", signed_in("a.engineer").cookie}};
+  };
   Headers unknown = page;
   unknown.emplace_back("Cookie", "hoist_session=" + std::string(64, '0'));
   Headers forged{{"Authorization", "Bearer " + std::string(64, '0')}};
@@ -391,6 +417,9 @@ TEST_F(People, every_route_asks_for_its_role) {
                                {"unknown cookie", unknown, -1},
                                {"forged token", forged, -1},
                                {"ended", cookie_of(ended), -1},
+                               {"expired", cookie_of(late), -1},
+                               {"expired token", expired_token, -1},
+                               {"another page", elsewhere(), -1},
                                {"viewer", cookie_of(signed_in("a.viewer")), 0},
                                {"therapist", cookie_of(signed_in("a.therapist")), 1},
                                {"engineer", cookie_of(signed_in("a.engineer")), 2}};
@@ -411,8 +440,10 @@ TEST_F(People, every_route_asks_for_its_role) {
       ++asked;
       const std::string what = caller.name + ": " + method + " " + path + " answered " + std::to_string(answer.status) + " " + answer.body;
       const bool by_role = answer.status == 403 && answer.body.find("/role\"") != std::string::npos;
-      if (route.operation == "stop" && caller.name == "ended")
+      if (route.operation == "stop" && (caller.name == "ended" || caller.name == "expired"))
         EXPECT_EQ(answer.status, 200U) << what;
+      else if (caller.name == "another page" && !tool)
+        EXPECT_TRUE(answer.status == 403 && answer.body.find("/foreign-origin\"") != std::string::npos) << what;
       else if (caller.rank < 0 || tool)
         EXPECT_EQ(answer.status, 401U) << what;
       else
