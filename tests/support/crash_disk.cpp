@@ -263,15 +263,25 @@ sqlite3_vfs the_vfs = make_vfs();
 
 const char* CrashDisk::vfs_name() { return "hoist-crash"; }
 
-CrashDisk::CrashDisk(std::uint32_t seed) {
+CrashDisk::CrashDisk(std::uint32_t seed, const Image& image) {
   disk = new Disk;
   disk->random.seed(seed);
+  for (const auto& [name, bytes] : image) {
+    auto content = std::make_shared<Content>();
+    content->now = content->durable = bytes;
+    disk->files.emplace(name, std::move(content));
+  }
   static const int registered = sqlite3_vfs_register(&the_vfs, 0);
   (void)registered;
 }
 CrashDisk::~CrashDisk() {
   delete disk;
   disk = nullptr;
+}
+CrashDisk::Image CrashDisk::image() const {
+  Image image;
+  for (const auto& [name, content] : disk->files) image.emplace(name, content->now);
+  return image;
 }
 void CrashDisk::cut_after(std::uint64_t operations) { disk->cut_at = operations == 0 ? 0 : disk->operations + operations; }
 bool CrashDisk::is_cut() const { return disk->cut; }

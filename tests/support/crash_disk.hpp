@@ -5,6 +5,7 @@
 // Simplified: a file's creation and deletion are durable at once, and one process uses it. Each thread has its own disk.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <random>
 #include <string>
 
@@ -13,12 +14,16 @@ namespace hoist::tests {
 /// One at a time in each thread; the VFS is registered under its name.
 class CrashDisk {
  public:
-  explicit CrashDisk(std::uint32_t seed);
+  /// Files by name, all synced.
+  using Image = std::map<std::string, std::string>;
+  explicit CrashDisk(std::uint32_t seed, const Image& image = {});
   ~CrashDisk();
   CrashDisk(const CrashDisk&) = delete;
   CrashDisk& operator=(const CrashDisk&) = delete;
 
   [[nodiscard]] static const char* vfs_name();
+  /// What is on it, for other disks to begin with. All connections must be closed.
+  [[nodiscard]] Image image() const;
   /// Power cut at the n-th write, truncation or sync from now; every operation from then on fails. 0 = never.
   void cut_after(std::uint64_t operations);
   [[nodiscard]] bool is_cut() const;
