@@ -76,12 +76,13 @@ class Integrity : public ::testing::Test {
       return std::nullopt;
     }
   }
-  void flip(const std::filesystem::path& file, std::uintmax_t at) {
+  void flip(const std::filesystem::path& file, std::uintmax_t at) { flip_bits(file, at, 0x40); }
+  void flip_bits(const std::filesystem::path& file, std::uintmax_t at, int bits) {
     std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(at));
     const int byte = stream.get();
     stream.seekp(static_cast<std::streamoff>(at));
-    stream.put(static_cast<char>(byte ^ 0x40));
+    stream.put(static_cast<char>(byte ^ bits));
   }
 
   TemporaryFolder folder_;
@@ -125,6 +126,24 @@ TEST_F(Integrity, NoFlippedByteOfARecordingPassesUnnoticed) {
   EXPECT_GT(in_structure, 0);
   EXPECT_GT(in_blobs, 30);
   std::printf("%d noticed when opened, %d in pages, %d in blobs\n", at_open, in_structure, in_blobs);
+}
+
+// Every page stays well formed; only our statements no longer find their column or table.
+TEST_F(Integrity, ADamagedNameInTheSchemaIsDamage) {
+  for (const std::string name : {"  directory BLOB", "  frames INTEGER"}) {
+    const std::filesystem::path copy = folder_ / (name.substr(2, 6) + ".db");
+    std::filesystem::copy_file(file_, copy);
+    std::ifstream stream(copy, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    const std::size_t at = bytes.find(name);
+    ASSERT_NE(at, std::string::npos);
+    flip_bits(copy, at + 3, 0x01);
+    Result<Database> opened = Database::open(copy);
+    ASSERT_TRUE(opened.ok() && opened->report().set_aside.empty());
+    const auto report = check_integrity(*opened, kGoOn);
+    ASSERT_TRUE(report.ok()) << report.error().message;
+    EXPECT_EQ((*report)->structure.size(), 1U);
+  }
 }
 
 TEST_F(Integrity, OfADamagedBlobTheSessionIsNamedAndTheFileStays) {
