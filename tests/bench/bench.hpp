@@ -24,6 +24,7 @@ void measure_websocket(Report& report, const std::string& bin);
 void measure_driving(Report& report, const std::string& bin);
 void measure_rest(Report& report, const std::string& bin);
 void measure_export(Report& report, const std::string& bin);
+void measure_served(Report& report, const std::string& bin);
 void measure_instructions(Report& report, const std::string& bin);
 void measure_status_instructions(Report& report, const std::string& bin);
 

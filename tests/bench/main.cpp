@@ -18,6 +18,7 @@ std::vector<Section> sections_of(const std::string& bin) {
           {"driving", "from the bus to the browser, and from the joystick to the bus", [bin](Report& r) { measure_driving(r, bin); }},
           {"recording", "a session beside SQLite rows and the sqlite3 shell", measure_recording},
           {"export", "each export format of ten minutes and of an hour", [bin](Report& r) { measure_export(r, bin); }},
+          {"served", "hoist-server's memory while it exports ten minutes and three hours", [bin](Report& r) { measure_served(r, bin); }},
           {"rerun", "a recorded session run again, and its journal", measure_rerun},
           {"rest", "hoist-server beside nginx", [bin](Report& r) { measure_rest(r, bin); }},
           {"instructions", "counted by callgrind",
