@@ -9,6 +9,8 @@ from wire import Line, WebSocket, answers, request, status_of
 
 REFUSED = set(range(400, 432))
 SEED = 20261123
+# Needed before anybody is signed in.
+OPEN = {"get_openapi", "get_docs", "who_am_i", "sign_in", "set_up"}
 # Between two attempts of one attacker: this computer must also be the machine, whose bus must not starve. Without pauses: tests/unit/server.
 PAUSE_S = 0.02
 
@@ -231,19 +233,27 @@ def other_names_for_this_computer(ground):
 
 @attack("walking")
 def guessed_and_stolen_secrets(ground):
-    """Without the secret every route but the description is closed, files outside the console stay there, a link works once."""
+    """Without the secret only open routes answer, files outside the console stay there, a link works once."""
     with Line(ground.port) as line:
         line.send(request(ground.port, "GET", "/api/openapi.json"))
         routes = json.loads(line.read_all().partition(b"\r\n\r\n")[2])["paths"]
     chance = random.Random(SEED)
     guess = ("Authorization", "Bearer " + "%064x" % chance.getrandbits(256))
+    opened = {operation["operationId"] for methods in routes.values() for operation in methods.values() if operation.get("security") == []}
+    check(opened == OPEN, f"the description calls open: {sorted(opened)}")
     for path, methods in routes.items():
-        for method in methods:
-            if method not in ("get", "post", "put", "patch", "delete") or path in ("/api/openapi.json", "/api/docs"):
-                continue
+        for method, operation in methods.items():
             target = path.replace("{id}", "1").replace("{name}", "lean_tau_normal_s").replace("{node}", "drive_left")
             for headers in ([], [guess]):
-                check(ground.ask(method.upper(), target, headers) == 401, f"{method} {target} without the secret was not answered 401")
+                if operation["operationId"] not in OPEN:
+                    check(ground.ask(method.upper(), target, headers) == 401, f"{method} {target} without the secret was not answered 401")
+                elif method != "get":
+                    refused(ground.ask(method.upper(), target, headers), f"{method} {target} without a password")
+    for headers in ([], [guess]):
+        with Line(ground.port) as line:
+            line.send(request(ground.port, "GET", "/api/v1/session", headers))
+            who = json.loads(line.read_all().partition(b"\r\n\r\n")[2])
+        check(who["signed_in"] is False and who["user"] is None and who["here"] == [], f"a stranger is told {who}")
     token = ground.hoist.token
     for spoilt in (token[:-1], token + "0", token.upper(), token[::-1], "", "*", f"{token}\t{token}"):
         if spoilt != token:

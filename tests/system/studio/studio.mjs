@@ -119,7 +119,7 @@ const cases = {
         await row.getByRole('button', { name: 'Submit change' }).click({ timeout: 2000 }).catch(() => {});
         return (await value()) === wanted;
       },
-      30_000,
+      slow_ms,
       500,
     );
     await shot('parameter');
