@@ -113,6 +113,23 @@ inline constexpr std::array kParamOrders{
     ParamOrder{ParamName::protective_deceleration_m_s2, ParamName::bumper_deceleration_m_s2, true,
                "bumper_deceleration_m_s2 must not be below protective_deceleration_m_s2"},
 };
+/// Full lean must stay below a lean that counts as hanging or as a fall by itself (H15, H16, H27). The quick fall is not among them: it needs
+/// a rate besides. Checked when one of the two is changed, not when a stored set is loaded: a machine that kept older values goes on with
+/// them, and with its calibration.
+struct ParamRoom {
+  ParamName smaller, larger;
+  double room;
+};
+/// One degree.
+inline constexpr double kLeanRoom_rad = 0.0174;
+inline constexpr std::array kParamRooms{
+    ParamRoom{ParamName::lean_range_rad, ParamName::hang_tilt_rad, kLeanRoom_rad},
+    ParamRoom{ParamName::lean_range_rad, ParamName::fall_static_tilt_rad, kLeanRoom_rad},
+};
+/// Written so that NaN leaves no room.
+constexpr bool leaves_room(const ParamRoom& row, const Params& p) {
+  return get_param(p, param_index(row.smaller)) + row.room <= get_param(p, param_index(row.larger));
+}
 /// Motor turns per wheel turn. params.def gives the encoder as 60000 counts per wheel turn = 2000 at the motor through gear 30; the
 /// drive's objects 60FFh and 606Ch speak at the motor.
 inline constexpr double kGearRatio_norm = 30.0;

@@ -58,9 +58,9 @@ constexpr double kFasterLag_s = 2.0;
 /// Of each strut's 0.214 m to its stop, what a patient uses for lean, turn and sway together: 11.7 degrees; 14 in a hoist that answers weakly.
 constexpr double kReach_m = 0.165, kReachMost_m = 0.20;
 constexpr double kHalfWidth_m = 0.3;
-/// What a lean brings: speed gained in a second for each metre. With the settings for walking, 0.15 m/s2 at full lean,
-/// which is 0.141 m; with those as published 0.05 m/s2 at 0.214 m: 0.23. Judged between 0.01 and 0.06 m/s; a hoist that
-/// reacts late and then suddenly is taken for one that another person drives.
+/// What a lean brings: speed gained in a second for each metre. With the settings for walking, 0.15 m/s2 at full lean, 0.127 m: 1.18 (1.06 with
+/// full lean at 0.141 m); with those as published 0.043 m/s2 at 0.185 m: 0.23. Judged between 0.01 and 0.06 m/s; a hoist that reacts late and
+/// then suddenly is taken for one that another person drives.
 constexpr double kUsualAnswer_per_s2 = 1.06, kLeastAnswer_per_s2 = 0.2;
 constexpr double kRolls_m_s = 0.01, kUnderWay_m_s = 0.06, kSetsOffWithin_s = 4.0, kGently_m_s2 = 0.1;
 /// Keeping a speed takes the lean that gains a tenth of it in a second (paper, tau_n 10 s).

@@ -8,7 +8,7 @@ namespace hoist::family {
 namespace {
 
 constexpr double kStrut_m = 0.80;   // of the simulated machine
-constexpr double kSwing_m = 0.008;  // of the harness sideways: the swing back of a step
+constexpr double kSwing_m = 0.006;  // of the harness sideways: the swing back of a step
 constexpr double kWalksLeast_s = 10.0, kWalksMost_s = 20.0, kWatched_s = 12.0;
 constexpr double kAtRest_m_s = 0.02, kRested_s = 2.0;
 constexpr int kTries = 20;

@@ -16,7 +16,7 @@ inline constexpr std::array<std::string_view, 8> kFallNames{"falls forward",  "f
 constexpr std::string_view fall_name(FallKind kind) { return kFallNames[static_cast<std::size_t>(kind)]; }
 
 /// What the body must have done for the hoist to owe a stop (SOURCES 2.1, 2.2; faults.def): H15 past 10 degrees outward with 25 degrees a
-/// second, or past 13 for 0.1 s; H16 past 10 degrees for 2 s, or drawn along faster than 0.1 m/s for 2.5 s since its last swing. The budgets
+/// second, or past 13 for 0.1 s; H16 past 10 degrees for 2 s, or drawn along faster than 0.1 m/s without a swing. The budgets
 /// are those of the faults, and one step for the moment between two.
 inline constexpr double kFallTilt_rad = 10.0 * sim::kDegree_rad, kFallRate_rad_s = 25.0 * sim::kDegree_rad;
 inline constexpr double kLying_rad = 13.0 * sim::kDegree_rad, kLying_s = 0.1;

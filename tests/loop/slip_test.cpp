@@ -93,7 +93,8 @@ TEST(Slip, H10ALongSlipStopsGentlyAndAShortOneDoesNot) {
     options.world.scenario = sim::find_scenario("straight");
     ClosedLoop loop(options);
     ASSERT_TRUE(loop.start(Mode::user));
-    loop.run(6.0);
+    // At this moment of the stride the slip turns the hoist at once; at others its degree takes up to 0.8 s.
+    loop.run(7.0);
     ASSERT_EQ(loop.mode(), Mode::user);
     sim::SlipBurst burst;
     burst.seconds = seconds;

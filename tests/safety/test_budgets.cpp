@@ -59,6 +59,44 @@ TEST(Falls, H15SidewaysAndBackwardCountToo) {
   }
 }
 
+// At 40 degrees a second out to 9.8: along the way that is a wish, sideways nobody wishes anything.
+TEST(Falls, H15SidewaysHalfADegreeLessIsAFall) {
+  for (const bool aside : {true, false}) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::user));
+    for (int i = 0; i < 40 && hoist.state.mode == Mode::user; ++i) {
+      const double tilt_deg = std::min(9.8, 0.4 * i);
+      if (aside)
+        hoist.tilt_left.beta_deg = hoist.tilt_right.beta_deg = tilt_deg;
+      else
+        hoist.lean(tilt_deg);
+      hoist.step();
+    }
+    EXPECT_EQ(hoist.has_fault(Fault::fall_detected), aside);
+  }
+}
+
+// A hoist that speeds up throws the body back, up to 11.5 degrees; who goes on falling is not left to the resting lean.
+TEST(Falls, H15WhoFallsBackWhileTheHoistSpeedsUpIsCaught) {
+  for (const double out_deg : {11.2, 14.0}) {
+    SCOPED_TRACE(out_deg);
+    contract::Params params;
+    params.remote_speed_m_s_max = 0.6;
+    ScriptedHoist hoist(params);
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(40, 1.0);
+    ASSERT_GT(hoist.command_m_s(), 0.05);
+    double at_deg = 0;
+    for (int i = 0; i < 60 && !hoist.has_fault(Fault::fall_detected); ++i) {
+      at_deg = std::min(out_deg, 0.4 * i);
+      hoist.lean(-at_deg);
+      hoist.drive_for(1, 1.0);
+    }
+    EXPECT_EQ(hoist.has_fault(Fault::fall_detected), out_deg > 13);
+    EXPECT_LT(at_deg, 13.0);
+  }
+}
+
 TEST(Falls, H15SlowLeaningToTheLimitOfIntentIsNoFall) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));

@@ -2,11 +2,13 @@
 // moves the struts against each other and leaves the mean.
 //
 // fall_tilt_rad with fall_rate_rad_s outward, at once; fall_static_tilt_rad for fall_static_s. R2 within 30 ms; the servo goes on holding.
+// Sideways, where a lean asks for nothing, a quick one counts kAside_norm times.
 //
 // A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
 // braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
-// a quick lean in the direction in which that throws the body is left to the resting rule; and where it brakes, a resting lean that began
-// then may last kThrown_s longer, which is how long the swing of a heavy body stays out there.
+// a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
+// then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
+// would not even be braked for: there the quick lean must go kThrownBack_rad farther.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -29,12 +31,15 @@ class FallDetected {
     // Written so that NaN is beyond every limit.
     const auto beyond = [square](double limit_rad) { return !(square <= limit_rad * limit_rad); };
     const double tilt_rad = threshold<kFault, "tilt">(view.params.fall_tilt_rad);
+    const double aside_rad = threshold<kFault, "aside", Laxer::lower>(kAside_norm) * beta_rad;
+    const double quick_square = alpha_rad * alpha_rad + aside_rad * aside_rad;
+    const auto quickly_beyond = [quick_square](double limit_rad) { return !(quick_square <= limit_rad * limit_rad); };
     resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
     if (resting_s_ == 0) thrown_out_ = false;
     note_own_acceleration(view);
     if (view.mode == contract::Mode::protective_stop) {
       // Nothing new can trip here, and what tripped lasts until the patient stands again.
-      return view.has(kFault) && beyond(tilt_rad);
+      return view.has(kFault) && quickly_beyond(tilt_rad);
     }
     if (!view.moving) return false;
     const bool thrown_there = thrown(alpha_rad, beta_rad);
@@ -43,7 +48,8 @@ class FallDetected {
     if (thrown_there && brakes && resting_s_ > 0) thrown_out_ = true;
     const double longer_s = thrown_out_ ? hold<kFault, "thrown_time">(kThrown_s) : 0;
     if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2) return true;
-    if (!beyond(tilt_rad) || thrown_there) return false;
+    if (thrown_there && brakes) return false;
+    if (!quickly_beyond(thrown_there ? tilt_rad + threshold<kFault, "thrown_back">(kThrownBack_rad) : tilt_rad)) return false;
     const double alpha_rate =
         (sensed.left_strut.alpha_rate_rad_s() + sensed.right_strut.alpha_rate_rad_s()) / 2 - sensed.base.alpha_rate_rad_s();
     const double beta_rate =
@@ -56,6 +62,10 @@ class FallDetected {
   static constexpr double kOwn_m_s2 = 0.4;         // below every stop ramp, above what walking asks for
   static constexpr std::uint8_t kSwingTicks = 30;  // a quarter of a swing of 75 kg on 300 N/m, twice as long for heavier ones with legs
 
+  // The tilt filter shows a sideways fall up to 20 ms later than one along the way: half a degree (simulated).
+  static constexpr double kAside_norm = 1.05;
+  // 1.5 degrees beyond fall_tilt_rad, as far as 120 kg are thrown (simulated): earlier than the resting lean and its 0.1 s.
+  static constexpr double kThrownBack_rad = 0.0262;
   // 97 kg stopped from 0.5 m/s swing to 14 degrees and stay beyond 13 for about 0.4 s (simulated).
   static constexpr double kThrown_s = 0.5;
 

@@ -6,7 +6,7 @@
 // in every stride. In REMOTE and GUIDED the hoist may be empty, and an empty harness does not sway: there the second
 // rule also needs a lean that an empty harness never shows. A hoist that GUIDED slows for a lagging patient counts as
 // rolling at any speed, and while it stands for the patient no sway counts as a step, so that the wait ends in this
-// alarm. R1 and a high alarm, 2 to 2.6 s after it begins.
+// alarm. R1 and a high alarm, 2 s after it begins; the budget is 2.6 s.
 #pragma once
 #include <cmath>
 

@@ -92,6 +92,16 @@ Verdict check_set(const CoreState& state, const Staging& set, contract::Role rol
   }
   if (contract::check_param_set(next) != nullptr || contract::check_param_set(later) != nullptr)
     verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+  for (const contract::ParamRoom& room : contract::kParamRooms) {
+    if (contract::leaves_room(room, next) && contract::leaves_room(room, later)) continue;
+    for (const Staging::Row& row : set.rows) {
+      const bool about = row.index == contract::param_index(room.smaller) || row.index == contract::param_index(room.larger);
+      // A value that is in force already is no change: a patient's settings name every value that a therapist may set.
+      if (!about || row.value == contract::get_param(state.params, row.index)) continue;
+      if (verdict.item == 0) verdict.item = contract::kParams[row.index].id;
+      verdict.bits |= refusal_bit(Refusal::inconsistent_set);
+    }
+  }
   return verdict;
 }
 

@@ -9,7 +9,7 @@ USER, STANDBY = 2, 1
 STOPPED = (4, 7, 8)
 DEGREE = np.pi / 180
 # Parameters of the recordings that record_walks makes: the table's usual values.
-DEAD_BAND, LEAN_RANGE, STRUT_LENGTH = 0.05, 0.174532925, 0.8
+DEAD_BAND, LEAN_RANGE, STRUT_LENGTH = 0.05, 0.157079633, 0.8
 
 
 class Pattern:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 #include "control/core/serve/param_keeper.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
@@ -34,7 +35,7 @@ struct Row {
 };
 
 // Stages the rows and commits them; the answer to the commit.
-std::uint32_t set(ScriptedHoist& hoist, std::initializer_list<Row> rows, std::uint32_t role = kEngineer, std::uint32_t client = 7) {
+std::uint32_t set(ScriptedHoist& hoist, const std::vector<Row>& rows, std::uint32_t role = kEngineer, std::uint32_t client = 7) {
   std::uint32_t n = 0;
   for (const Row& row : rows) hoist.send(CommandKind::stage_parameter, client, id_of(row.name), n++, row.value);
   return hoist.ask(CommandKind::commit_parameters, client, n, role);
@@ -44,16 +45,16 @@ TEST(Parameters, ASetIsTakenOverAtOnceWithOneVersion) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
   const auto version = hoist.out.record.parameter_version;
-  EXPECT_EQ(set(hoist, {{ParamName::lean_gain_filtered_units, 40}, {ParamName::lean_range_rad, 0.2}}), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::lean_gain_filtered_units, 40}, {ParamName::lean_range_rad, 0.12}}), 0U);
   EXPECT_EQ(hoist.out.record.parameter_version, version + 1);
   EXPECT_TRUE(hoist.out.params_changed);
   EXPECT_EQ(hoist.state.params.lean_gain_filtered_units, 40);
   EXPECT_EQ(hoist.count(EventKind::parameter_changed), 2);
   const auto& last = hoist.events[hoist.events.size() - 2];
   EXPECT_EQ(last.kind, EventKind::parameter_changed);
-  EXPECT_EQ(last.value, 0.2);
-  EXPECT_NEAR(last.before, 0.174532925, 1e-12);
-  EXPECT_NEAR(hoist.state.derived.range.dx_max_m, 0.8 * std::tan(0.2), 1e-12) << "what follows from them follows at once";
+  EXPECT_EQ(last.value, 0.12);
+  EXPECT_NEAR(last.before, contract::Params{}.lean_range_rad, 1e-12);
+  EXPECT_NEAR(hoist.state.derived.range.dx_max_m, 0.8 * std::tan(0.12), 1e-12) << "what follows from them follows at once";
   hoist.step();
   EXPECT_FALSE(hoist.out.params_changed);
 }
@@ -121,8 +122,8 @@ TEST(Parameters, WhileMovingOnlyLiveOnesChange) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
   hoist.lean_gently(6, 100);
-  EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, 0.2}}), refusal_bit(Refusal::only_when_stopped));
-  EXPECT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 3}, {ParamName::lean_range_rad, 0.2}}),
+  EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, 0.12}}), refusal_bit(Refusal::only_when_stopped));
+  EXPECT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 3}, {ParamName::lean_range_rad, 0.12}}),
             refusal_bit(Refusal::only_when_stopped));
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
   EXPECT_EQ(set(hoist, {{ParamName::lean_gain_direct_units, 3}}), 0U);
@@ -457,17 +458,17 @@ TEST(TrialOfSettings, ASecondTrialGoesBackToBeforeTheFirstAndWhatIsMeantStays) {
   ASSERT_TRUE(hoist.ready());
   ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 5), 0U);
   ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 5}, {ParamName::turn_gain_direct_units, 3}}, 5), 0U);
-  ASSERT_EQ(set(hoist, {{ParamName::turn_gain_direct_units, 6}, {ParamName::lean_range_rad, 0.2}}), 0U);
+  ASSERT_EQ(set(hoist, {{ParamName::turn_gain_direct_units, 6}, {ParamName::lean_range_rad, 0.12}}), 0U);
   hoist.step(600);
   EXPECT_EQ(hoist.state.params.lean_gain_direct_units, 2);
   EXPECT_EQ(hoist.state.params.turn_gain_direct_units, 6);
-  EXPECT_EQ(hoist.state.params.lean_range_rad, 0.2);
+  EXPECT_EQ(hoist.state.params.lean_range_rad, 0.12);
 }
 
 TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
-  EXPECT_EQ(attempt(hoist, {{ParamName::lean_range_rad, 0.2}}, 20), refusal_bit(Refusal::only_when_stopped))
+  EXPECT_EQ(attempt(hoist, {{ParamName::lean_range_rad, 0.12}}, 20), refusal_bit(Refusal::only_when_stopped))
       << "it would have to go back during a walk";
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 0.5), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 121), refusal_bit(Refusal::out_of_range));
@@ -524,6 +525,48 @@ TEST(Parameters, H27ADriveRampBelowTheHardestStopIsRefused) {
   EXPECT_EQ(set(hoist, {{ParamName::drive_acceleration_rad_s2, 390}}), inconsistent) << "1.17 m/s2, protective stop 1.0 and room above it";
   EXPECT_EQ(set(hoist, {{ParamName::protective_deceleration_m_s2, 0.8}, {ParamName::drive_acceleration_rad_s2, 325}}), 0U);
   EXPECT_NE(set(hoist, {{ParamName::protective_deceleration_m_s2, 0.79}}), 0U) << "gentler than letting go";
+}
+
+// H15, H16: full speed is reached below the lean that counts as a fall or as hanging; a therapist may not widen the range into the guards.
+TEST(Parameters, H27FullSpeedStaysBelowTheGuardsAgainstFallsAndHanging) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  const auto inconsistent = refusal_bit(Refusal::inconsistent_set);
+  const auto refused = [&](const std::vector<Row>& rows, ParamName named) {
+    EXPECT_EQ(set(hoist, rows), inconsistent);
+    EXPECT_EQ(hoist.events.back().item, id_of(named));
+  };
+  refused({{ParamName::lean_range_rad, 0.16}}, ParamName::lean_range_rad);
+  refused({{ParamName::lean_dead_band_norm, 0.1}, {ParamName::hang_tilt_rad, 0.17}}, ParamName::hang_tilt_rad);
+  refused({{ParamName::lean_range_rad, 0.22}, {ParamName::hang_tilt_rad, 0.25}}, ParamName::lean_range_rad);
+  EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, 0.16}, {ParamName::hang_tilt_rad, 0.18}}), 0U);
+  refused({{ParamName::fall_tilt_rad, 0.15}, {ParamName::fall_static_tilt_rad, 0.17}}, ParamName::fall_static_tilt_rad);
+  EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, 0.14}}), 0U);
+  EXPECT_EQ(set(hoist, {{ParamName::hang_tilt_rad, 0.16}}), 0U);
+}
+
+// A machine that stored its settings before goes on with them, and a preset brings it to today's.
+TEST(Parameters, H27OlderSettingsGoOnUntilTheyAreChanged) {
+  contract::Params older;
+  older.lean_range_rad = older.hang_tilt_rad = 0.174532925;
+  for (const contract::PresetInfo& preset : contract::kPresets) {
+    SCOPED_TRACE(preset.name);
+    ScriptedHoist hoist(older);
+    ASSERT_TRUE(hoist.ready());
+    EXPECT_EQ(set(hoist, {{ParamName::speed_cap_norm, 0.5}}), 0U);
+    EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, older.lean_range_rad}, {ParamName::speed_cap_norm, 0.6}}), 0U)
+        << "nothing of it changes";
+    EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, 0.17}}), refusal_bit(Refusal::inconsistent_set));
+    EXPECT_EQ(set(hoist, {{ParamName::lean_range_rad, older.lean_range_rad}, {ParamName::hang_tilt_rad, 0.17}}),
+              refusal_bit(Refusal::inconsistent_set));
+    EXPECT_EQ(hoist.events.back().item, id_of(ParamName::hang_tilt_rad));
+    std::vector<Row> rows;
+    for (const contract::PresetValue& value : contract::kPresetValues)
+      if (value.preset == preset.name) rows.push_back({value.param, value.value});
+    EXPECT_EQ(set(hoist, rows), 0U);
+    for (const contract::ParamRoom& room : contract::kParamRooms) EXPECT_TRUE(contract::leaves_room(room, hoist.state.params));
+  }
+  for (const contract::ParamRoom& room : contract::kParamRooms) EXPECT_TRUE(contract::leaves_room(room, contract::Params{}));
 }
 
 // A running node that refuses a value: walking continues, and the value is repeated until taken. Only then can a motion start again.

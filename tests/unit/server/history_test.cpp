@@ -113,8 +113,8 @@ TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
 
   // Presets and profiles by their names; with who asked, or none.
   ASSERT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200U);
-  EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["how"], "preset");
-  EXPECT_EQ(change_to(0.01, "&name=speed_per_unit_m_s")["source"], "paper");
+  EXPECT_EQ(change_to(0.0086, "&name=speed_per_unit_m_s")["how"], "preset");
+  EXPECT_EQ(change_to(0.0086, "&name=speed_per_unit_m_s")["source"], "paper");
   const Answer saved = call("POST", "/api/v1/patients/" + person["id"].dump() + "/profiles",
                             {{"name", "with brace"}, {"settings", {{kTuned, first + 0.04}}}});
   ASSERT_EQ(saved.status, 201U);

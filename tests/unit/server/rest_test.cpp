@@ -287,7 +287,7 @@ TEST_F(Rest, ParametersOnTrialAreKeptOrTakenBack) {
     const Answer refused = call("PATCH", "/api/v1/parameters", {{"lean_dead_band_norm", 0.1}, {"revert_after_s", wrong}});
     EXPECT_EQ(refused.status, 422) << wrong;
   }
-  const Answer stopped = call("PATCH", "/api/v1/parameters", {{"lean_range_rad", 0.2}, {"revert_after_s", 20}});
+  const Answer stopped = call("PATCH", "/api/v1/parameters", {{"lean_range_rad", 0.15}, {"revert_after_s", 20}});
   EXPECT_EQ(stopped.status, 422);
   EXPECT_EQ(stopped.json()["errors"][0]["field"], "lean_range_rad");
   EXPECT_EQ(core_->commands().size(), asked) << "what cannot be is not even asked";
@@ -392,7 +392,7 @@ TEST_F(Rest, ADiskThatDoesNotAnswerIsToldAfterASecond) {
 TEST_F(Rest, Presets) {
   EXPECT_EQ(get("/api/v1/presets").json()["items"].size(), contract::kPresets.size());
   EXPECT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200);
-  EXPECT_EQ(get("/api/v1/parameters/speed_per_unit_m_s").json()["value"], 0.01);
+  EXPECT_EQ(get("/api/v1/parameters/speed_per_unit_m_s").json()["value"], 0.0086);
   EXPECT_EQ(call("POST", "/api/v1/presets/none/apply", json::object()).status, 404);
 }
 

@@ -118,7 +118,7 @@ TEST(Patient, GivesUpLeadingAHoistThatDoesNotFollow) {
   EXPECT_EQ(stage.patient.state(), PatientState::leading);
 }
 
-// Full lean is 10 degrees in one preset and 15 in the other, with less speed there. The patient does not know which.
+// Full lean is 9 degrees in one preset and 13 in the other, with less speed there. The patient does not know which.
 TEST(Patient, WalksMoreSlowlyWhereALeanBringsLess) {
   const auto fastest_m_s = [](double answer_per_s2, double driven_m_s) {
     PatientParams stubborn;

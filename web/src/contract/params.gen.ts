@@ -164,8 +164,8 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'Corrects the distance counted by the right wheel.', de: 'Korrigiert die gezählte Strecke des rechten Rads.' },
   },
   {
-    id: 10, name: 'lean_range_rad', unit: 'rad', min: 0.0698132, default: 0.174532925, max: 0.261799388,
-    edit: 'stopped', scope: 'core', role: 'therapist', source: 'SOURCES 3, simulated: 10 deg',
+    id: 10, name: 'lean_range_rad', unit: 'rad', min: 0.0698132, default: 0.157079633, max: 0.261799388,
+    edit: 'stopped', scope: 'core', role: 'therapist', source: 'SOURCES 3, simulated: 9 deg, one below the guards',
     title: { en: 'Lean for full speed', de: 'Neigung für volle Fahrt' },
     effect: { en: 'How far the patient leans for full effect. Smaller: less lean needed.', de: 'Wie weit sich der Patient für volle Wirkung neigt. Kleiner: weniger Neigung nötig.' },
   },
@@ -435,7 +435,7 @@ export const params: readonly ParamInfo[] = [
   },
   {
     id: 113, name: 'hang_tilt_rad', unit: 'rad', min: 0.1, default: 0.174532925, max: 0.255,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'SOURCES 2.2, H16: 10 deg; 14 deg in paper, where a full wish takes 15',
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'SOURCES 2.2, H16: 10 deg; 14 deg in paper',
     title: { en: 'Hanging detection: lean', de: 'Hängeerkennung: Neigung' },
     effect: { en: 'Lean that counts as hanging when it lasts.', de: 'Neigung, die als Hängen gilt, wenn sie andauert.' },
   },
@@ -452,14 +452,14 @@ export const params: readonly ParamInfo[] = [
     effect: { en: 'Speed from which a patient who does not sway counts as pulled along.', de: 'Tempo, ab dem ein Patient, der nicht pendelt, als gezogen gilt.' },
   },
   {
-    id: 116, name: 'hang_still_s', unit: 's', min: 1.5, default: 2.5, max: 4,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'SOURCES 2.2, H16',
+    id: 116, name: 'hang_still_s', unit: 's', min: 1.5, default: 2, max: 4,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'SOURCES 2.2, H16; trade-off in firmware/sim/PATIENTS.md',
     title: { en: 'Hanging detection: time without steps', de: 'Hängeerkennung: Dauer ohne Schritte' },
     effect: { en: 'How long the hoist may roll without the sway of steps.', de: 'Wie lange das Gerät ohne das Pendeln von Schritten rollen darf.' },
   },
   {
-    id: 117, name: 'hang_sway_m', unit: 'm', min: 0.002, default: 0.008, max: 0.02,
-    edit: 'stopped', scope: 'core', role: 'engineer', source: 'a third of the least sway that walking shows, from side to side: SOURCES 3, simulated',
+    id: 117, name: 'hang_sway_m', unit: 'm', min: 0.002, default: 0.006, max: 0.02,
+    edit: 'stopped', scope: 'core', role: 'engineer', source: 'a third of what small steps sway from side to side: trade-off in firmware/sim/PATIENTS.md',
     title: { en: 'Hanging detection: sway of a step', de: 'Hängeerkennung: Pendeln eines Schritts' },
     effect: { en: 'Sideways motion of the harness that counts as a step.', de: 'Seitliche Bewegung des Gurts, die als Schritt gilt.' },
   },
@@ -710,11 +710,11 @@ export const presets: readonly PresetInfo[] = [
   {
     name: 'walk', title: { en: 'Walking', de: 'Gehen' },
     doc: { en: 'For walking at 0.3 to 0.6 m/s. Recommended.', de: 'Für Gehen mit 0,3 bis 0,6 m/s. Empfohlen.' },
-    values: { lean_range_rad: 0.174532925, turn_range_rad: 0.174532925, lean_filtered_units_max: 20, speed_per_unit_m_s: 0.03, yaw_rate_per_unit_rad_s: 0.011635528, fall_static_tilt_rad: 0.226892803, fall_static_s: 0.1, hang_tilt_rad: 0.174532925, },
+    values: { lean_range_rad: 0.157079633, turn_range_rad: 0.174532925, lean_filtered_units_max: 20, speed_per_unit_m_s: 0.03, yaw_rate_per_unit_rad_s: 0.011635528, fall_static_tilt_rad: 0.226892803, fall_static_s: 0.1, hang_tilt_rad: 0.174532925, },
   },
   {
     name: 'paper', title: { en: 'As published', de: 'Wie veröffentlicht' },
-    doc: { en: 'The published settings, for walking up to 0.3 m/s.', de: 'Die veröffentlichten Einstellungen, für Gehen bis 0,3 m/s.' },
-    values: { lean_range_rad: 0.261799388, turn_range_rad: 0.261799388, lean_filtered_units_max: 50, speed_per_unit_m_s: 0.01, yaw_rate_per_unit_rad_s: 0.017453293, fall_static_tilt_rad: 0.244346095, fall_static_s: 2, hang_tilt_rad: 0.244346095, },
+    doc: { en: 'The published settings, for walking up to 0.3 m/s. The same speed for the same lean; full lean is 13° instead of 15°, below the guards.', de: 'Die veröffentlichten Einstellungen, für Gehen bis 0,3 m/s. Gleiches Tempo bei gleicher Neigung; volle Neigung bei 13° statt 15°, unter Sturz- und Hängeerkennung.' },
+    values: { lean_range_rad: 0.226892803, turn_range_rad: 0.261799388, lean_filtered_units_max: 50, speed_per_unit_m_s: 0.0086, yaw_rate_per_unit_rad_s: 0.017453293, fall_static_tilt_rad: 0.244346095, fall_static_s: 2, hang_tilt_rad: 0.244346095, },
   },
 ];

@@ -6,7 +6,7 @@ import { useTopic } from '../link/wants';
 import { degrees, t } from '../text/text';
 import './hoist_picture.css';
 
-/** Share of the picture for a full lean; enlarged, because 14 cm would hardly show. */
+/** Share of the picture for a full lean; enlarged, because 13 cm would hardly show. */
 const fullLean_px = 58;
 const fullTurn_deg = 38;
 const strut_px = 96;
@@ -38,7 +38,7 @@ const n1 = (value: number) => value.toFixed(1);
 
 export function HoistPicture() {
   const deadLean = useStore((s) => s.parameters.lean_dead_band_norm ?? 0.05);
-  const leanRange_rad = useStore((s) => s.parameters.lean_range_rad ?? 0.1745);
+  const leanRange_rad = useStore((s) => s.parameters.lean_range_rad ?? 0.1571);
   const neutral_m = useStore((s) => s.parameters.neutral_lean_m ?? 0);
   const strut_m = useStore((s) => s.parameters.strut_length_m ?? 0.8);
   const refs = useRef<Record<string, SVGElement | null>>({});
