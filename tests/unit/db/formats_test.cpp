@@ -74,7 +74,7 @@ TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
   Fixture f;
   record_eventful(f);
   const std::vector<std::string> lines = lines_of(whole(f.database, f.id, {}));
-  for (const char* line : {"# parameter,lean_range_rad; 0.174532925; rad",
+  for (const char* line : {"# parameter,lean_range_rad; 0.157079633; rad",
                            "# parameter change,0.5 s; lean_range_rad; 0.125; rad; before 0.25; in effect at 0.5 s",
                            "# parameter change,0.6 s; lean_gain_direct_units; 4.0; units; before 2.0",
                            "# parameter change,0.7 s; lean_gain_direct_units; 3.0; units; before 1.0; in effect at 1.7 s",
@@ -83,7 +83,7 @@ TEST(Manifest, TellsParametersChangesCalibrationWordsGapsAndClockInCsvAndJson) {
     EXPECT_NE(std::ranges::find(lines, line), lines.end()) << line;
   EXPECT_TRUE(std::ranges::any_of(lines, [](const std::string& line) { return line.starts_with("# exported by,hoist 0."); }));
   const json told = json::parse(whole(f.database, f.id, {.format = ExportFormat::json}))["manifest"];
-  EXPECT_EQ(told["parameters"]["lean_range_rad"], (json{{"value", 0.174532925}, {"unit", "rad"}}));
+  EXPECT_EQ(told["parameters"]["lean_range_rad"], (json{{"value", 0.157079633}, {"unit", "rad"}}));
   const json& changes = told["parameter_changes"];
   ASSERT_EQ(changes.size(), 3U);
   EXPECT_EQ(changes[0], (json{{"tick", 50},
