@@ -55,6 +55,26 @@ std::optional<double> minimal_of(const Repeats& repeats) {
   return kTwoSided95 * std::sqrt(2.0 * repeats.squares / static_cast<double>(repeats.degrees));
 }
 
+// `first` and `last` are two of `values`.
+Change between(std::string_view figure, std::span<const Measured> values, const Measured& first, const Measured& last) {
+  Change change{.first = first, .last = last};
+  const Repeats repeats = repeats_in(values);
+  change.repeats = repeats.degrees;
+  change.minimal = minimal_of(repeats);
+  const PublishedChange* published = published_for(figure, change.first.value);
+  if (published != nullptr && published->minimal >= change.minimal.value_or(0)) {
+    change.published = published;
+    change.minimal = published->minimal;
+  }
+  if (change.first.visit == change.last.visit)
+    change.why = NoChange::one_visit;
+  else if (!change.minimal)
+    change.why = NoChange::few_repeats;
+  else if (!(std::fabs(change.difference()) > *change.minimal))
+    change.why = NoChange::within_noise;
+  return change;
+}
+
 }  // namespace
 
 std::span<const PublishedChange> published_changes() { return kPublished; }
@@ -76,22 +96,14 @@ std::optional<double> own_minimal_change(std::span<const Measured> values) { ret
 
 std::optional<Change> change_of(std::string_view figure, std::span<const Measured> values) {
   if (values.empty()) return std::nullopt;
-  Change change{.first = values.front(), .last = values.back()};
-  const Repeats repeats = repeats_in(values);
-  change.repeats = repeats.degrees;
-  change.minimal = minimal_of(repeats);
-  const PublishedChange* published = published_for(figure, change.first.value);
-  if (published != nullptr && published->minimal >= change.minimal.value_or(0)) {
-    change.published = published;
-    change.minimal = published->minimal;
-  }
-  if (change.first.visit == change.last.visit)
-    change.why = NoChange::one_visit;
-  else if (!change.minimal)
-    change.why = NoChange::few_repeats;
-  else if (!(std::fabs(change.difference()) > *change.minimal))
-    change.why = NoChange::within_noise;
-  return change;
+  return between(figure, values, values.front(), values.back());
+}
+
+std::optional<Change> retention_of(std::string_view figure, std::span<const Measured> values) {
+  const auto newest =
+      std::find_if(values.rbegin(), values.rend(), [&](const Measured& one) { return one.visit != values.back().visit; }).base();
+  if (newest == values.begin()) return std::nullopt;
+  return between(figure, values, *(newest - 1), *newest);
 }
 
 }  // namespace hoist::db

@@ -1,5 +1,5 @@
 // Whether a figure has changed by more than it varies by itself: beyond its minimal detectable change (95 %), the published one or that of the
-// patient's own repeats.
+// patient's own repeats. Since the first walk, or from one visit to the next.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +37,7 @@ struct Measured {
 /// it would reach 2.5 times.
 inline constexpr std::size_t kLeastRepeats = 10;
 
-/// The newest value against the first one.
+/// One value against an earlier one.
 struct Change {
   Measured first, last;
   std::optional<double> minimal = {};          ///< minimal detectable change; none: not known
@@ -50,7 +50,10 @@ struct Change {
 /// 1.96 sqrt(2) s, s: standard deviation within visits, pooled over them (Haley & Fragala-Pinkham 2006). None below kLeastRepeats,
 /// and where all repeats are equal: a count that never varied says nothing of how far it may.
 [[nodiscard]] std::optional<double> own_minimal_change(std::span<const Measured> values);
-/// `values`: of one exercise, oldest first. Where the published change and the own one are known, the larger one counts. None without a value.
+/// The newest value against the first one. `values`: of one exercise, oldest first. Where the published change and the own one are known, the
+/// larger one counts. None without a value.
 [[nodiscard]] std::optional<Change> change_of(std::string_view figure, std::span<const Measured> values);
+/// What was kept: the first value of the newest visit against the last one of the visit before. None without two visits.
+[[nodiscard]] std::optional<Change> retention_of(std::string_view figure, std::span<const Measured> values);
 
 }  // namespace hoist::db

@@ -107,25 +107,36 @@ std::string basis_text(const Page& page, const Change& change) {
   return change.minimal ? page.w(Word::own_repeats, {std::to_string(change.repeats)}) : std::string();
 }
 
+// "↑ 0.02 (0.01 to 0.03)", an arrow only where the interval leaves out 0.
+Cell learning_cell(const Page& page, const MetricInfo& figure, const Learning& learning) {
+  if (!learning.slope) return number("");
+  const auto text = [&](double value) { return report::figure_text(figure, value, page.language()); };
+  const Slope& slope = *learning.slope;
+  const std::string told = page.w(Word::slope, {text(slope.middle), text(slope.low), text(slope.high)});
+  return learning.why == NoChange::none ? Cell{page.w(slope.middle > 0 ? Word::up : Word::down, {told})} : small(told);
+}
+
 // Every compared figure, an arrow only where there is a change.
 void add_change_table(Page& page, std::span<const FigureChange> changes) {
   page.text(page.w(Word::changes_help), "small");
-  const std::array<Table::Column, 6> columns{{{page.w(Word::figure)},
+  const std::array<Table::Column, 7> columns{{{page.w(Word::figure)},
                                               {page.w(Word::first), true},
                                               {page.w(Word::now), true},
                                               {page.w(Word::minimal), true},
                                               {page.w(Word::known_from)},
-                                              {page.w(Word::change)}}};
+                                              {page.w(Word::change)},
+                                              {page.w(Word::learning)}}};
   Table table(columns);
-  for (const auto& [walked, key, change] : changes) {
-    const MetricInfo& figure = info_of(key);
+  for (const FigureChange& one : changes) {
+    const Change& change = one.change;
+    const MetricInfo& figure = info_of(one.figure);
     const auto text = [&](double value) { return number(report::figure_text(figure, value, page.language())); };
     const std::string verdict = change.why == NoChange::none
                                     ? page.w(change.difference() > 0 ? Word::up : Word::down, {difference_text(page, figure, change)})
                                     : std::string(report::no_change_text(change.why, page.language()));
     table.row(std::array{Cell{page.title_of(figure)}, text(change.first.value), text(change.last.value),
                          change.minimal ? text(*change.minimal) : number(""), small(basis_text(page, change)),
-                         change.why == NoChange::none ? Cell{verdict} : small(verdict)});
+                         change.why == NoChange::none ? Cell{verdict} : small(verdict), learning_cell(page, figure, one.learning)});
   }
   page.table(table);
 }
@@ -133,8 +144,9 @@ void add_change_table(Page& page, std::span<const FigureChange> changes) {
 // For a patient: only what has changed, in a sentence each.
 void add_change_sentences(Page& page, std::span<const FigureChange> changes, std::span<const TrendEntry> entries) {
   bool any = false;
-  for (const auto& [walked, key, change] : changes) {
-    const MetricInfo& figure = info_of(key);
+  for (const FigureChange& one : changes) {
+    const Change& change = one.change;
+    const MetricInfo& figure = info_of(one.figure);
     if (change.why != NoChange::none || !report::is_main(figure)) continue;
     const bool more = change.difference() > 0;
     page.text((more ? "↑ " : "↓ ") + page.w(more ? Word::more : Word::less, {page.title_of(figure), difference_text(page, figure, change),

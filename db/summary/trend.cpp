@@ -68,8 +68,12 @@ std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries) {
   std::vector<FigureChange> all;
   for (const auto& group : groups_of(entries))
     for (std::size_t i = 0; i < kMetrics.size(); ++i)
-      if (const auto change = change_of(kMetrics[i].key, values_of(group, i)))
-        all.push_back({.walked = group.front()->session, .figure = kMetrics[i].key, .change = *change});
+      if (const auto values = values_of(group, i); !values.empty())
+        all.push_back({.walked = group.front()->session,
+                       .figure = kMetrics[i].key,
+                       .change = *change_of(kMetrics[i].key, values),
+                       .retention = retention_of(kMetrics[i].key, values),
+                       .learning = learning_of(values)});
   return all;
 }
 
@@ -96,6 +100,23 @@ json trend_item_json(const TrendEntry& entry) {
   return row;
 }
 
+namespace {
+json why_json(NoChange why) { return why == NoChange::none ? json(nullptr) : json(no_change_name(why)); }
+json learning_json(const Learning& learning) {
+  json out{{"walks", learning.walks}, {"visits", learning.visits}, {"slope", nullptr}, {"reason_code", why_json(learning.why)}};
+  if (learning.slope) out["slope"] = {{"middle", learning.slope->middle}, {"low", learning.slope->low}, {"high", learning.slope->high}};
+  return out;
+}
+json retention_json(const std::optional<Change>& kept) {
+  if (!kept) return nullptr;
+  return {{"before_session", kept->first.session},
+          {"after_session", kept->last.session},
+          {"before", kept->first.value},
+          {"after", kept->last.value},
+          {"reason_code", why_json(kept->why)}};
+}
+}  // namespace
+
 json change_json(const FigureChange& one) {
   const Change& change = one.change;
   json whom = nullptr;
@@ -111,7 +132,9 @@ json change_json(const FigureChange& one) {
           {"source", change.published != nullptr ? json(change.published->source) : json(nullptr)},
           {"whom", std::move(whom)},
           {"repeats", change.repeats},
-          {"reason_code", change.why == NoChange::none ? json(nullptr) : json(no_change_name(change.why))}};
+          {"reason_code", why_json(change.why)},
+          {"retention", retention_json(one.retention)},
+          {"learning", learning_json(one.learning)}};
 }
 
 }  // namespace hoist::db

@@ -1,4 +1,4 @@
-// A patient's figures over the sessions, and which of them have changed by more than they vary by themselves.
+// A patient's figures over the sessions, which of them have changed by more than they vary by themselves, and which improve within a visit.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "db/metrics/change.hpp"
+#include "db/metrics/learning.hpp"
 #include "db/store/trend.hpp"
 #include "db/summary/session_metrics.hpp"
 
@@ -27,6 +28,8 @@ struct FigureChange {
   TrendSession walked;  ///< one of the compared sessions: their exercise and task
   std::string_view figure;
   Change change;
+  std::optional<Change> retention;
+  Learning learning;
 };
 /// Of each figure that has a value in comparable walks. `entries`: newest first, as trend_sessions gives them; what was walked last comes first.
 [[nodiscard]] std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries);

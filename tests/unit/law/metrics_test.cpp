@@ -12,6 +12,7 @@
 #include "db/metrics/change.hpp"
 #include "db/metrics/cross_correlation.hpp"
 #include "db/metrics/evaluate.hpp"
+#include "db/metrics/learning.hpp"
 #include "db/metrics/median.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "db/metrics/normalised_ise.hpp"
@@ -253,6 +254,84 @@ TEST(Change, IsToldBeyondTheMinimalOneOnly) {
   std::vector<Measured> back = walks(12);
   back.back().value = back.front().value - 0.05;
   EXPECT_EQ(change_of("J_N", back)->why, NoChange::within_noise);
+}
+
+// The first walk after a pause against the last one before it.
+TEST(Change, FromOneVisitToTheNextIsWhatWasKept) {
+  EXPECT_FALSE(retention_of("J_N", {}));
+  EXPECT_FALSE(retention_of("J_N", std::vector<Measured>{{1, 1, 5.0}, {2, 1, 9.0}})) << "one visit";
+  std::vector<Measured> values = walks(12);
+  auto kept = retention_of("J_N", values);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->first.session, 23);
+  EXPECT_EQ(kept->last.session, 24);
+  EXPECT_NEAR(kept->difference(), 0.96, 1e-12);
+  EXPECT_EQ(kept->why, NoChange::none);
+  values[22].value = values[21].value + 0.05;
+  EXPECT_EQ(retention_of("J_N", values)->why, NoChange::within_noise);
+}
+
+// All orders of a visit are tried: of those that chance gives, at most 5 % may be taken for learning, and the interval holds 0 in the others.
+TEST(Learning, IsToldFalselyInAtMostOneOfTwentyOrders) {
+  const std::map<std::size_t, std::size_t> expected{{5, 1}, {6, 6}, {7, 76}};
+  for (const std::size_t walked : {5U, 6U, 7U}) {
+    std::vector<double> order(walked);
+    for (std::size_t i = 0; i < walked; ++i) order[i] = static_cast<double>(i * i);
+    std::size_t orders = 0, rising = 0, falling = 0;
+    do {
+      std::vector<Measured> values;
+      for (std::size_t i = 0; i < walked; ++i) values.push_back({static_cast<std::int64_t>(i), 1, order[i]});
+      const Learning learning = learning_of(values);
+      ASSERT_TRUE(learning.slope);
+      ++orders;
+      rising += learning.why == NoChange::none && learning.slope->low > 0;
+      falling += learning.why == NoChange::none && learning.slope->high < 0;
+      ASSERT_EQ(learning.why == NoChange::none, learning.slope->low > 0 || learning.slope->high < 0);
+    } while (std::ranges::next_permutation(order).found);
+    EXPECT_EQ(rising, falling);
+    EXPECT_LE(40 * rising, orders) << walked;
+    // Kendall's S at 2.5 % a side: 10, 13 and 15, reached by so many orders (Kendall 1975, table 1).
+    EXPECT_EQ(rising, expected.at(walked)) << walked;
+  }
+}
+
+TEST(Learning, TakesTheSlopeWithinVisitsAndEachVisitsOwnLevel) {
+  // 0.1 a walk within each visit; from visit to visit it falls.
+  std::vector<Measured> values;
+  for (int visit = 0; visit < 3; ++visit)
+    for (int walk = 0; walk < 4; ++walk) values.push_back({4 * visit + walk, visit, 5.0 - 2 * visit + 0.1 * walk});
+  values.push_back({99, 99, 40.0});
+  Learning learning = learning_of(values);
+  EXPECT_EQ(learning.walks, 12U);
+  EXPECT_EQ(learning.visits, 3U);
+  ASSERT_TRUE(learning.slope);
+  EXPECT_NEAR(learning.slope->middle, 0.1, 1e-9);
+  EXPECT_EQ(learning.why, NoChange::none);
+  // One wild walk does not move the middle.
+  values[2].value = 100;
+  EXPECT_NEAR(learning_of(values).slope->middle, 0.1, 1e-9);
+  // Equal values are no slope.
+  for (Measured& one : values) one.value = 3;
+  learning = learning_of(values);
+  EXPECT_EQ(learning.why, NoChange::no_slope);
+  EXPECT_EQ(learning.slope->high, 0);
+}
+
+TEST(Learning, NeedsFiveWalksOfOneVisitOrTwoOfSix) {
+  const auto why = [](const std::vector<std::size_t>& visits) {
+    std::vector<Measured> values;
+    for (std::size_t visit = 0; visit < visits.size(); ++visit)
+      for (std::size_t walk = 0; walk < visits[visit]; ++walk)
+        values.push_back({1, static_cast<std::int64_t>(visit), static_cast<double>(walk)});
+    return learning_of(values).why;
+  };
+  EXPECT_EQ(why({}), NoChange::few_walks);
+  EXPECT_EQ(why({4}), NoChange::few_walks);
+  EXPECT_EQ(why({5}), NoChange::none);
+  EXPECT_EQ(why({3, 3}), NoChange::few_walks);
+  EXPECT_EQ(why({3, 4}), NoChange::none);
+  EXPECT_EQ(why({2, 2, 2, 2, 2, 1}), NoChange::few_walks);
+  EXPECT_EQ(why({2, 2, 2, 2, 2, 2}), NoChange::none);
 }
 
 // The faster the first walk, the larger the minimal change (Lewek & Sykes 2019, Hosoi et al. 2023). Exactly that much is no change.

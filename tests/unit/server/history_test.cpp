@@ -253,6 +253,8 @@ TEST_F(History, ATrendHoldsNoSimulatedWalk) {
   EXPECT_EQ((*walked)["last"], trend["items"][0]["figures"]["walked_m"]);
   EXPECT_EQ((*walked)["first_session"], real[0]);
   EXPECT_EQ((*walked)["reason_code"], "one_visit") << "both of one day";
+  EXPECT_EQ((*walked)["retention"], nullptr);
+  EXPECT_EQ((*walked)["learning"], json({{"walks", 2}, {"visits", 1}, {"slope", nullptr}, {"reason_code", "few_walks"}}));
   const json page = get(path + "?limit=1").json();
   EXPECT_EQ(page["items"].size(), 1U);
   EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);

@@ -71,6 +71,8 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   one_visit: { en: 'A comparison needs this value from two visits.', de: 'Für einen Vergleich braucht es diesen Wert aus zwei Terminen.' },
   few_repeats: { en: 'How much this value varies by itself is not known yet. Repeat the walk within a visit.', de: 'Wie stark dieser Wert von selbst schwankt, ist noch unklar. Den Weg am selben Termin wiederholen.' },
   within_noise: { en: 'The difference is no larger than the usual variation.', de: 'Der Unterschied ist nicht größer als die übliche Schwankung.' },
+  few_walks: { en: 'This needs more walks within a visit: five in one, or two in each of six.', de: 'Dafür braucht es mehr Wege am selben Termin: fünf an einem, oder je zwei an sechs.' },
+  no_slope: { en: 'From walk to walk it goes neither up nor down by more than chance.', de: 'Von Weg zu Weg geht es nicht mehr hinauf oder hinunter als der Zufall.' },
 };
 
 /** Take control; take_over takes it from somebody else while standing still. */

@@ -415,12 +415,36 @@ export type FigureChange = {
   first_session: number;
   last: number;
   last_session: number;
+  /** Within visits, from walk to walk. */
+  learning: {
+    /** Why no learning can be told; null: the interval leaves out 0. */
+    reason_code: NoChange | null;
+    /** Median of the slopes between two walks of a visit, per walk, and its 95 % interval; null: too few walks. */
+    slope: {
+      high: number;
+      low: number;
+      middle: number;
+    } | null;
+    /** With at least two walks. */
+    visits: number;
+    /** Of visits with at least two walks. */
+    walks: number;
+  };
   /** 95 %, in the figure's unit: the published one or that of the patient's own repeats, the larger one; null: not known. */
   minimal_detectable_change: number | null;
   /** Why no change can be told; null: last differs from first by more than the minimal detectable change. */
   reason_code: NoChange | null;
   /** Degrees of freedom of the patient's own repeats within visits; 10 are needed. */
   repeats: number;
+  /** What was kept: first value of the newest visit (after) against the last one of the visit before; null: only one visit. */
+  retention: {
+    after: number;
+    after_session: number;
+    before: number;
+    before_session: number;
+    /** null: they differ by more than the minimal detectable change. */
+    reason_code: NoChange | null;
+  } | null;
   /** Where it is published; null: the patient's own repeats, or not known. */
   source: string | null;
   task: string | null;
@@ -1003,7 +1027,7 @@ export type NewUser = {
   user: UserName;
 };
 
-export type NoChange = 'one_visit' | 'few_repeats' | 'within_noise';
+export type NoChange = 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
 
 export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
@@ -1251,7 +1275,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
 
 export type Recording = {
   detail: string;

@@ -63,6 +63,7 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
           </div>
           <Plot points={points} figure={figure} />
           <Change change={changeOf(asked.value?.changes ?? [], walked, key)} points={points} figure={figure} />
+          <Learnt change={changeOf(asked.value?.changes ?? [], walked, key)} figure={figure} />
           <Gaps points={points} figure={figure} />
         </>
       ) : null}
@@ -165,6 +166,36 @@ function Change({ change, points, figure }: { change: TrendChange | null; points
       )}
     </div>
   );
+}
+
+/** What practising does within a visit, and what is left of it at the next one (told only where the usual variation is known). */
+function Learnt({ change, figure }: { change: TrendChange | null; figure: MetricInfo }) {
+  if (change === null) return null;
+  const { slope, reason_code: why } = change.learning;
+  const kept = keptText(change.retention, figure);
+  return (
+    <div class="trend-change">
+      {slope !== null && why === null ? (
+        <strong>
+          <span aria-hidden="true">{slope.middle > 0 ? '↑' : '↓'}</span>{' '}
+          {t(slope.middle > 0 ? 'trend.slopeMore' : 'trend.slopeLess', { by: textOf(figure, Math.abs(slope.middle)) })}
+        </strong>
+      ) : (
+        <span>
+          {t('trend.noSlope')} {reasonText(why)}
+        </span>
+      )}
+      {slope === null ? null : <small>{t('trend.slopeRange', { low: textOf(figure, slope.low), high: textOf(figure, slope.high) })}</small>}
+      {kept === null ? null : <small>{kept}</small>}
+    </div>
+  );
+}
+
+function keptText(kept: TrendChange['retention'], figure: MetricInfo): string | null {
+  if (kept === null || (kept.reason_code !== null && kept.reason_code !== 'within_noise')) return null;
+  if (kept.reason_code === 'within_noise') return t('trend.kept');
+  const by = kept.after - kept.before;
+  return t(by > 0 ? 'trend.keptMore' : 'trend.keptLess', { by: textOf(figure, Math.abs(by)) });
 }
 
 /** Each session without this figure, and why. */
