@@ -403,6 +403,13 @@ export function startFakeServer({
     whom: i === 0 ? { en: 'people after a stroke, 10 m', de: 'Menschen nach Schlaganfall, 10 m' } : null,
     repeats: [2, 12, 3][i],
     reason_code: i === 2 ? 'few_repeats' : i === 1 ? 'within_noise' : null,
+    retention: { before_session: 27, after_session: 28, before: 0.42, after: 0.4, reason_code: i === 2 ? 'few_repeats' : 'within_noise' },
+    learning: {
+      walks: i === 2 ? 4 : 9,
+      visits: 2,
+      slope: [{ middle: 0.02, low: 0.01, high: 0.03 }, { middle: 0, low: -0.5, high: 0.4 }, null][i],
+      reason_code: i === 2 ? 'few_walks' : i === 1 ? 'no_slope' : null,
+    },
   }));
   const studies = [studyOf(1, 11, 1)];
   const jobs = [];

@@ -118,10 +118,15 @@ describe('the note of a visit', { timeout: minutes_ms }, () => {
 });
 
 describe('the trend', { timeout: minutes_ms }, () => {
-  it('breaks its line where a value is not valid, says why, and leaves the simulation out', async () => {
+  it('says what is learnt, breaks its line where a value is not valid, says why, and leaves the simulation out', async () => {
     await open('patients/5');
     await page.locator('.trend-plot').waitFor();
+    await page.getByText('0.02 m/s more from walk to walk within a visit').waitFor();
+    await page.getByText('95 % range: 0.01 m/s to 0.03 m/s.').waitFor();
+    await page.getByText(en['trend.kept']).waitFor();
     await page.getByLabel(en['trend.figure']).selectOption({ label: en['metric.turning'] });
+    await page.getByText(en['trend.noSlope']).waitFor();
+    expect(await page.getByText(en['trend.kept']).count(), 'the usual variation is not known').toBe(0);
     expect(await page.locator('.trend-gap').count()).toBe(2);
     expect(await page.locator('.trend-line').count(), 'before, between and after').toBe(3);
     const gaps = await page.locator('.trend-gaps').textContent();
