@@ -28,6 +28,13 @@ Fall fall(ScriptedHoist& hoist, F&& angle, double angle_deg, int ticks) {
   return result;
 }
 
+// The therapist may drive as fast as the hoist goes.
+contract::Params full_remote_speed() {
+  contract::Params params;
+  params.remote_speed_m_s_max = 0.6;
+  return params;
+}
+
 TEST(Falls, H15AFallingPatientIsCaughtWithin30Ms) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.start(Mode::user));
@@ -59,7 +66,7 @@ TEST(Falls, H15SidewaysAndBackwardCountToo) {
   }
 }
 
-// At 40 degrees a second out to 9.8: along the way that is a wish, sideways nobody wishes anything.
+// At 40 degrees a second out to 9.8: along the way that is a wish, sideways a lean asks for nothing.
 TEST(Falls, H15SidewaysHalfADegreeLessIsAFall) {
   for (const bool aside : {true, false}) {
     ScriptedHoist hoist;
@@ -80,9 +87,7 @@ TEST(Falls, H15SidewaysHalfADegreeLessIsAFall) {
 TEST(Falls, H15WhoFallsBackWhileTheHoistSpeedsUpIsCaught) {
   for (const double out_deg : {11.2, 14.0}) {
     SCOPED_TRACE(out_deg);
-    contract::Params params;
-    params.remote_speed_m_s_max = 0.6;
-    ScriptedHoist hoist(params);
+    ScriptedHoist hoist(full_remote_speed());
     ASSERT_TRUE(hoist.start(Mode::remote));
     hoist.drive_for(40, 1.0);
     ASSERT_GT(hoist.command_m_s(), 0.05);
@@ -150,9 +155,8 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
                         Case{"a ramp too soft to throw anybody", 1, 0.3, 15, true}, Case{"just after the stop", 1, 0.5, 138, false},
                         Case{"a good while after it", 1, 0.5, 164, true}}) {
     SCOPED_TRACE(c.name);
-    contract::Params params;
+    contract::Params params = full_remote_speed();
     params.acceleration_m_s2_max = c.braking_m_s2;
-    params.remote_speed_m_s_max = 0.6;
     ScriptedHoist hoist(params);
     ASSERT_TRUE(hoist.start(Mode::remote));
     hoist.drive_for(300, 1.0);
@@ -178,9 +182,7 @@ TEST(Falls, H15WhatTheHoistsOwnBrakingExplainsIsNoFall) {
 TEST(Falls, H15ASwingThatTheBrakeBeganMayEndAfterIt) {
   for (const int out_ticks : {30, 75}) {
     SCOPED_TRACE(out_ticks);
-    contract::Params params;
-    params.remote_speed_m_s_max = 0.6;
-    ScriptedHoist hoist(params);
+    ScriptedHoist hoist(full_remote_speed());
     ASSERT_TRUE(hoist.start(Mode::remote));
     hoist.drive_for(300, 1.0);
     for (int i = 0; i < 140; ++i) {  // the ramp takes 1.2 s and somewhat more, and 0.3 s count as the swing
@@ -278,9 +280,7 @@ TEST(Falls, ATwistIsATurnAndNoFall) {
 
 TEST(Distances, TheShownStopDistanceIsNotTooShort) {
   for (const double stick : {0.3, 0.7, 1.0}) {
-    contract::Params p;
-    p.remote_speed_m_s_max = 0.6;
-    ScriptedHoist hoist(p);
+    ScriptedHoist hoist(full_remote_speed());
     ASSERT_TRUE(hoist.start(Mode::remote));
     hoist.drive_for(400, stick);
     const double promised = hoist.out.record.stop_distance_m;
@@ -293,9 +293,7 @@ TEST(Distances, TheShownStopDistanceIsNotTooShort) {
 }
 
 TEST(Distances, H13ABumperStopAtFullSpeedNeeds14Cm) {
-  contract::Params p;
-  p.remote_speed_m_s_max = 0.6;
-  ScriptedHoist hoist(p);
+  ScriptedHoist hoist(full_remote_speed());
   ASSERT_TRUE(hoist.start(Mode::remote));
   hoist.drive_for(400, 1.0);
   ASSERT_NEAR(hoist.command_m_s(), 0.6, 0.01);

@@ -27,7 +27,7 @@ class Disks : public ServerTest {
     ASSERT_TRUE(until([&] { return get("/api/v1/health").json()["recordings"]["state"] == "sound"; }));
     ASSERT_TRUE(until([&] { return call("POST", "/api/v1/recording", {{"action", "start"}}).status == 200; }));
   }
-  // Does it again until two syncs have each seen it begin and end; how many have. Whoever waits for the disk never ends within one, however
+  // Does it again until two syncs have each seen it begin and end; how many have. What waits for the disk never ends within one, however
   // slow the machine is.
   template <typename Piece>
   std::size_t answered_during_syncs(Piece piece) {

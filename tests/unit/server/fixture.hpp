@@ -76,8 +76,8 @@ class ServerTest : public ::testing::Test {
   void wait_for_core(bool connected = true) {
     ASSERT_TRUE(until([&] { return get("/api/v1/status").json()["core"]["connected"] == connected; }));
   }
-  // Repeats a question until it is true. Jobs have nice 19: they run when nobody else computes, which may be long on a busy machine, and not at
-  // all beside a test that asks without a pause.
+  // Repeats a question until it is true, with pauses: a job has nice 19 and would get hardly any processor beside a test that asks without one.
+  // On a busy machine it waits long all the same.
   template <typename Question>
   bool until(Question question) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);

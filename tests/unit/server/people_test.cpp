@@ -405,7 +405,7 @@ TEST_F(People, every_route_asks_for_its_role) {
   wait_for_core();
   page = {{"X-Hoist", "1"}, {"Origin", origin()}};
   const Headers expired_token{{"Authorization", "Bearer " + token["token"].get<std::string>()}};
-  // The browser of an engineer, on the page of somebody else.
+  // The browser of an engineer, on a page of another origin.
   const auto elsewhere = [&] {
     return Headers{{"X-Hoist", "1"}, {"Origin", "http://example.org"}, {"Cookie", signed_in("a.engineer").cookie}};
   };

@@ -24,6 +24,7 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   const walked = chosen !== null && kinds.has(chosen) ? chosen : ([...kinds.keys()][0] ?? '');
   const figure = metrics.find((one) => one.key === key)!;
   const points = pointsOf(items, walked, key);
+  const change = changeOf(asked.value?.changes ?? [], walked, key);
   const left = asked.value?.simulated_left_out ?? 0;
   return (
     <section class="card trend">
@@ -62,8 +63,8 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
             </label>
           </div>
           <Plot points={points} figure={figure} />
-          <Change change={changeOf(asked.value?.changes ?? [], walked, key)} points={points} figure={figure} />
-          <Learnt change={changeOf(asked.value?.changes ?? [], walked, key)} figure={figure} />
+          <Change change={change} points={points} figure={figure} />
+          <Learnt change={change} figure={figure} />
           <Gaps points={points} figure={figure} />
         </>
       ) : null}
