@@ -396,7 +396,7 @@ constexpr std::string_view kSchemas = R"json({
   "yaw": {"type": "number", "minimum": -1, "maximum": 1, "description": "Share of the turning limit, left positive"}, "held": {"type": "boolean", "description": "Hold-to-run is held"}},
   "additionalProperties": false},
 "StreamRequest": {"type": "object", "minProperties": 1, "properties": {"every_tick": {"type": "boolean", "description": "A message for each step; only for the client in control"},
-  "topics": {"type": "array", "minItems": 1, "maxItems": 16, "items": {"$ref": "#/components/schemas/TopicName"}, "description": "Blocks of live values; left out: all"},
+  "topics": {"type": "array", "minItems": 1, "maxItems": 16, "items": {"$ref": "#/components/schemas/TopicName"}, "description": "Blocks of live values; left out: state, motion, pose, posture, intent"},
   "rate_hz": {"type": "integer", "minimum": 1, "maximum": 100, "enum": [], "description": "Samples per second; left out: 100. A change of state is sent at once at any rate"},
   "last_tick": {"type": "integer", "minimum": 0, "maximum": 9007199254740991, "description": "Newest step that the client has: later ones come first, or are named as missing (gap)"},
   "run": {"type": "string", "maxLength": 32, "description": "Run of the core that last_tick is of, as in the message core"}}, "additionalProperties": false},

@@ -51,6 +51,10 @@ static_assert(contract::unique_by(kTopicValues, [](const TopicValue& value) { re
 using TopicMask = std::uint32_t;
 constexpr TopicMask topic_bit(Topic topic) { return TopicMask{1} << static_cast<unsigned>(topic); }
 
+// What a client gets that has chosen nothing: how hoist and patient move and lean, a third of a whole record.
+inline constexpr TopicMask kUnaskedTopics =
+    topic_bit(Topic::state) | topic_bit(Topic::motion) | topic_bit(Topic::pose) | topic_bit(Topic::posture) | topic_bit(Topic::intent);
+
 constexpr std::optional<Topic> find_topic(std::string_view name) {
   for (std::size_t i = 0; i < kTopics.size(); ++i)
     if (kTopics[i].name == name) return static_cast<Topic>(i);

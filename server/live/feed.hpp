@@ -20,7 +20,7 @@ inline constexpr std::size_t kRecordsHeader_bytes = 16;
 inline constexpr std::size_t kTopicsHeader_bytes = 20;
 
 struct StreamChoice {
-  TopicMask topics = topic_bit(Topic::all);
+  TopicMask topics = kUnaskedTopics;
   std::uint32_t every_ticks = 1;
   bool every_step = false;  // a message for each step, not one for each batch
   bool operator==(const StreamChoice&) const = default;

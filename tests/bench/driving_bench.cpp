@@ -41,7 +41,7 @@ double now_ms() {
 // A therapist's page.
 class Console {
  public:
-  Console(std::uint16_t port, const std::string& token) : fd_(open_websocket(port, token)) {}
+  Console(std::uint16_t port, const std::string& token) : fd_(open_websocket(port, token)) { send(kAskWholeRecords); }
   ~Console() { ::close(fd_); }
   Console(const Console&) = delete;
   Console& operator=(const Console&) = delete;
@@ -57,16 +57,7 @@ class Console {
     }
   }
   void send(const std::string& message) {
-    std::string frame{static_cast<char>(0x81)};
-    if (message.size() < 126) {
-      frame.push_back(static_cast<char>(0x80U | message.size()));
-    } else {
-      frame.push_back(static_cast<char>(0x80U | 126U));
-      frame.push_back(static_cast<char>(message.size() >> 8));
-      frame.push_back(static_cast<char>(message.size() & 0xFF));
-    }
-    frame.append(4, '\0');  // a mask of zeros leaves the text as it is
-    frame += message;
+    const std::string frame = client_frame(message);
     (void)!::send(fd_, frame.data(), frame.size(), MSG_NOSIGNAL);
   }
   // Whether a request is granted; `fields` are those behind type and request.
@@ -104,7 +95,8 @@ class Console {
       (void)::send(fd_, pong, sizeof pong, MSG_NOSIGNAL);
     }
     if (kind == 1 && payload.find("\"type\":\"reply\"") != std::string::npos) reply_ = payload;
-    if (kind != 2 || payload.size() < kBatchHeader + sizeof(contract::TickRecord)) return;
+    // What comes before the answer are blocks of topics.
+    if (kind != 2 || payload[0] != 1 || payload.size() < kBatchHeader + sizeof(contract::TickRecord)) return;
     const auto time_ns = [&](std::size_t record_at) {
       std::uint64_t time = 0;
       std::memcpy(&time, payload.data() + record_at + offsetof(contract::TickRecord, time_ns), sizeof time);

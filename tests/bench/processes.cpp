@@ -117,6 +117,18 @@ int open_websocket(std::uint16_t port, const std::string& token) {
   ::close(fd);
   throw std::runtime_error("hoist-server refused a WebSocket: " + answer.substr(0, 60));
 }
+std::string client_frame(const std::string& message) {
+  std::string frame{static_cast<char>(0x81)};
+  if (message.size() < 126) {
+    frame.push_back(static_cast<char>(0x80U | message.size()));
+  } else {
+    frame.push_back(static_cast<char>(0x80U | 126U));
+    frame.push_back(static_cast<char>(message.size() >> 8));
+    frame.push_back(static_cast<char>(message.size() & 0xFF));
+  }
+  frame.append(4, '\0');  // a mask of zeros leaves the text as it is
+  return frame + message;
+}
 HttpConnection::~HttpConnection() { ::close(fd_); }
 void HttpConnection::ask(const std::string& request) {
   answer_.clear();

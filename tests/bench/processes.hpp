@@ -43,6 +43,10 @@ class Process {
 // The opening handshake of a WebSocket, and a connection behind it. Throws with the server's answer when it refuses.
 [[nodiscard]] std::string websocket_request(std::uint16_t port, const std::string& token);
 [[nodiscard]] int open_websocket(std::uint16_t port, const std::string& token);
+// A text message as a client's frame, of at most 65535 bytes.
+[[nodiscard]] std::string client_frame(const std::string& message);
+// Whole records of every step: the most that a client can ask for.
+inline constexpr const char* kAskWholeRecords = R"({"type":"stream","topics":["all"]})";
 // One keep-alive HTTP connection with one open request.
 class HttpConnection {
  public:

@@ -94,7 +94,14 @@ class Wire {
   std::unique_ptr<SSL, Free> tls_;
 };
 using WirePtr = std::unique_ptr<Wire>;
-WirePtr open_plain(const RunningHoist& hoist) { return std::make_unique<Wire>(open_websocket(hoist.port(), hoist.token())); }
+WirePtr ask_whole_records(WirePtr wire) {
+  const std::string frame = client_frame(kAskWholeRecords);
+  wire->write(frame.data(), frame.size());
+  return wire;
+}
+WirePtr open_plain(const RunningHoist& hoist) {
+  return ask_whole_records(std::make_unique<Wire>(open_websocket(hoist.port(), hoist.token())));
+}
 WirePtr open_secure(const RunningHoist& hoist, SSL_CTX* tls) {
   auto wire = std::make_unique<Wire>(connect_to(hoist.port()), tls);
   const std::string request = websocket_request(hoist.port(), hoist.token());
@@ -102,7 +109,7 @@ WirePtr open_secure(const RunningHoist& hoist, SSL_CTX* tls) {
   std::string answer;
   for (char byte = 0; answer.find("\r\n\r\n") == std::string::npos && wire->read(&byte, 1) == 1;) answer += byte;
   if (answer.find(" 101 ") == std::string::npos) throw std::runtime_error("hoist-server refused a WebSocket: " + answer.substr(0, 60));
-  return wire;
+  return ask_whole_records(std::move(wire));
 }
 
 // Walks over the frames of one stream and counts them; a ping is answered, so that the server does not think us dead.

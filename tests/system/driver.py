@@ -10,7 +10,7 @@ import time
 from harness import Failed, until
 
 EVERY_S = 0.04  # commands come at 25 Hz while held
-TIME_AT = 8  # of time_ns in a record: behind the tick, both 64 bits
+TIME_AT = 8  # of time_ns in a sample: behind the tick, both 64 bits
 HEADER = struct.Struct("<BBHIQ")
 
 
@@ -65,8 +65,8 @@ class Driver:
                     size = struct.unpack(">Q", self.exactly(8))[0]
                 data = self.exactly(size)
                 if kind & 0x0F == 2 and size > HEADER.size:
-                    _, _, count, record, _ = HEADER.unpack_from(data)
-                    self.newest_ns = struct.unpack_from("<Q", data, HEADER.size + (count - 1) * record + TIME_AT)[0]
+                    _, _, _, sample, _ = HEADER.unpack_from(data)
+                    self.newest_ns = struct.unpack_from("<Q", data, size - sample + TIME_AT)[0]
                 elif kind & 0x0F == 1:
                     message = json.loads(data)
                     if message.get("type") == "reply":

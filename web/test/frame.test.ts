@@ -69,7 +69,7 @@ describe('readFrame', () => {
   });
 
   it('takes an empty batch', () => {
-    expect(readFrame(frame([]))).toEqual({ ok: true, whole: true, topics: ['all'], samples: [] });
+    expect(readFrame(frame([]))).toEqual({ ok: true, topics: ['all'], samples: [] });
   });
 });
 
@@ -115,7 +115,7 @@ describe('samples of chosen topics', () => {
     const names = ['state', 'pose', 'calibration'];
     const read = readFrame(blocks(names, [sample(3), sample(17)]));
     if (!read.ok) throw new Error(read.why);
-    expect([read.whole, read.topics]).toEqual([false, names]);
+    expect(read.topics).toEqual(names);
     expect(read.samples).toHaveLength(2);
     expect(read.samples[1]).toMatchObject({ tick: sample(17).tick, fused_psi_rad: sample(17).fused_psi_rad, mode: sample(17).mode });
     expect(sample(3)).toMatchObject(read.samples[0]!);

@@ -181,7 +181,8 @@ TEST_F(Idle, TheSteadyStreamAsksNothingOfTheHeap) {
   std::vector<std::unique_ptr<Browser>> browsers;
   for (std::uint32_t i = 0; i < 20; ++i) browsers.push_back(std::make_unique<Browser>(io_, hub_, session, i + 1));
   // Whole records for most, chosen topics for the rest.
-  for (std::size_t i = 15; i < browsers.size(); ++i) hub_.choose(*browsers[i]->client, {.topics = topic_bit(Topic::motion)}, {});
+  for (std::size_t i = 0; i < browsers.size(); ++i)
+    hub_.choose(*browsers[i]->client, {.topics = topic_bit(i < 15 ? Topic::all : Topic::motion)}, {});
   for (const auto& browser : browsers) browser->read();
   std::vector<contract::TickRecord> step(1);
   std::size_t bytes = 0;
@@ -312,7 +313,7 @@ class Account {
 TEST_F(Idle, EachStepIsShownOrNamedAsMissingExactlyOnce) {
   fake_.set_each([](contract::TickRecord& record) { record.bumpers = static_cast<std::uint8_t>(record.tick / Account::kChangeEvery % 2); });
   const auto session = std::make_shared<Session>();
-  const std::array choices{StreamChoice{}, StreamChoice{.topics = topic_bit(Topic::state)},
+  const std::array choices{StreamChoice{.topics = topic_bit(Topic::all)}, StreamChoice{.topics = topic_bit(Topic::state)},
                            StreamChoice{.topics = topic_bit(Topic::motion) | topic_bit(Topic::pose), .every_ticks = 5},
                            StreamChoice{.every_ticks = 20}};
   std::mt19937 random(15);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same each time

@@ -49,6 +49,7 @@ TEST_F(LiveTest, WelcomeSaysWhatRuns) {
 
 TEST_F(LiveTest, TelemetryIsWhatTheCorePublished) {
   Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"topics", {"all"}}});
   const auto got = live.records(40);
   ASSERT_GE(got.size(), 40U);
   EXPECT_EQ(live.frame_layout_hash(), contract::layout_hash());
@@ -202,6 +203,7 @@ TEST_F(LiveTest, ARefusedStartMovesNoPose) {
   const json path{{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 0.2}};
   const json guided{{"type", "mode"}, {"mode", "guided"}, {"path", path}};
   // What the server has told: a stamp that it does not know yet would be one from the future.
+  driver.send({{"type", "stream"}, {"topics", {"all"}}});
   const auto told = driver.records(1);
   ASSERT_FALSE(told.empty());
   driver.send({{"type", "drive"}, {"sequence", 1}, {"echo", told.back().time_ns}, {"speed", 0.0}, {"yaw", 0.0}, {"held", true}});
@@ -444,7 +446,7 @@ TEST_F(LiveTest, EveryStepOnlyForTheDriver) {
   live.send({{"type", "stream"}, {"every_tick", true}});
   EXPECT_EQ(live.wait("notice")["refusals"][0], "no_lease");
   ASSERT_EQ(live.ask({{"type", "lease_take"}})["ok"], true);
-  live.send({{"type", "stream"}, {"every_tick", true}});
+  live.send({{"type", "stream"}, {"topics", {"all"}}, {"every_tick", true}});
   const json pong_before = live.ask({{"type", "neutral"}});
   EXPECT_EQ(pong_before["ok"], true);
   const auto records = live.records(20);
@@ -499,6 +501,19 @@ TEST_F(LiveTest, ChosenTopicsComeAtTheChosenRate) {
   const auto whole = live.records(3);
   ASSERT_GE(whole.size(), 3U);
   EXPECT_EQ(whole.back().tick - whole[whole.size() - 2].tick, 5U);
+}
+
+TEST_F(LiveTest, WhoChoosesNothingGetsHowTheHoistMovesAndLeans_NotWholeRecords) {
+  Live live(port_, bearer_);
+  const std::string message = live.binary();
+  ASSERT_GE(message.size(), kSamplesBegin);
+  EXPECT_EQ(message.substr(0, 4), std::string("\2\1\5\0", 4)) << "blocks of topics, five steps";
+  std::uint32_t sample_bytes = 0, topics = 0;
+  std::memcpy(&sample_bytes, message.data() + 4, sizeof sample_bytes);
+  std::memcpy(&topics, message.data() + 16, sizeof topics);
+  EXPECT_EQ(message.size(), kSamplesBegin + 5 * sample_bytes);
+  EXPECT_EQ(topics, 0b11111U) << "state, motion, pose, posture, intent";
+  EXPECT_LT(sample_bytes, sizeof(contract::TickRecord) / 3);
 }
 
 TEST_F(LiveTest, AChangeOfStateIsSentAtOnceAtAnyRate) {
@@ -629,6 +644,8 @@ TEST_F(LiveTest, AReaderWhoNeverReadsDelaysNobody_H31) {
       bearer_[0].second + "\r\n\r\n"));
   ASSERT_EQ(stuck.read(12), "HTTP/1.1 101");
   Live good(port_, bearer_);
+  good.send({{"type", "stream"}, {"topics", {"all"}}});
+  good.wait("streaming");
   // Much more than its buffers hold, faster than time.
   std::uint64_t last = 0;
   bool dropped = false;
@@ -661,6 +678,7 @@ TEST_F(LiveTest, ASilentClientIsDropped) {
 
 TEST_F(LiveTest, TheCoreDiesAndComesBack) {
   Live live(port_, bearer_);
+  live.send({{"type", "stream"}, {"topics", {"all"}}});
   ASSERT_GE(live.records(5).size(), 5U);
   core_.reset();
   EXPECT_TRUE(until([&] { return live.wait("core")["connected"] == false; }));

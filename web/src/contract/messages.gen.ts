@@ -144,7 +144,7 @@ export type PoseRequest = { type: 'pose'; request: number } & rest.Pose;
 /** Set a marker now in the session that is being recorded. */
 export type MarkerRequest = { type: 'marker'; request: number } & rest.MarkerRequest;
 
-/** Choose which live values come and how often; answered by `streaming`. What is left out is as on connecting: whole records of every step, five in a message. */
+/** Choose which live values come and how often; answered by `streaming`. What is left out is as on connecting: state, motion, pose, posture and intent of every step, five in a message. Whole records: topics ["all"]. */
 export type StreamRequest = { type: 'stream' } & rest.StreamRequest;
 
 /** Measure the way there and back. */

@@ -1503,7 +1503,7 @@ export type StreamRequest = {
   rate_hz?: 1 | 2 | 5 | 10 | 20 | 50 | 100;
   /** Run of the core that last_tick is of, as in the message core. */
   run?: string;
-  /** Blocks of live values; left out: all. */
+  /** Blocks of live values; left out: state, motion, pose, posture, intent. */
   topics?: readonly TopicName[];
 };
 

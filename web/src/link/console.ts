@@ -58,7 +58,7 @@ async function checkSignedIn(): Promise<void> {
 
 /** Run of the core that the newest sample is of. */
 let run: string | null = null;
-/** Whole records before the answer to `stream` belong to the time that the server sends anew. */
+/** Samples before the answer to `stream` belong to the time that the server sends anew. */
 let answerBy_ms = 0;
 const answerWithin_ms = 1000;
 
@@ -85,7 +85,7 @@ function takeFrame(buffer: ArrayBuffer): void {
     return;
   }
   const newest = frame.samples.at(-1);
-  if (newest === undefined || (frame.whole && performance.now() < answerBy_ms)) return;
+  if (newest === undefined || performance.now() < answerBy_ms) return;
   live.take(frame.samples, frame.topics, performance.now());
   writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
   if (stoppedModes.has(newest.mode)) stopSeen();

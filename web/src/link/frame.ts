@@ -18,8 +18,7 @@ export const frameVersion = 1;
 export const recordsPerFrameMost = 1000;
 
 export type FrameResult =
-  | { ok: true; whole: boolean; topics: readonly TopicName[]; samples: Sample[] }
-  | { ok: false; why: 'short' | 'kind' | 'version' | 'layout' | 'length' };
+  { ok: true; topics: readonly TopicName[]; samples: Sample[] } | { ok: false; why: 'short' | 'kind' | 'version' | 'layout' | 'length' };
 
 interface Layout {
   headerBytes: number;
@@ -71,5 +70,5 @@ export function readFrame(buffer: ArrayBuffer): FrameResult {
   if (count > recordsPerFrameMost || buffer.byteLength !== headerBytes + count * sampleBytes) return { ok: false, why: 'length' };
   const samples: Sample[] = [];
   for (let i = 0; i < count; i++) samples.push(layout.read(view, headerBytes + i * sampleBytes));
-  return { ok: true, whole: kind === recordsKind, topics, samples };
+  return { ok: true, topics, samples };
 }
