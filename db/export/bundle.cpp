@@ -13,6 +13,7 @@
 #include "db/export/source.hpp"
 #include "db/export/sqlite.hpp"
 #include "db/export/zip_file.hpp"
+#include "db/report/batch.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 
@@ -79,6 +80,38 @@ class FilesPlan : public BundlePlan {
  private:
   Database& database_;
 };
+
+// session-12.html, and group.html of all when there are several. In the place of a session that has no report stands the reason.
+class ReportsPlan : public BundlePlan {
+ public:
+  ReportsPlan(Database& database, const ReportOptions& options) : database_(database), batch_(database, options) {}
+  std::vector<BundleFile> first() override { return {}; }
+  std::vector<BundleFile> of_session(SessionId session) override {
+    const SessionInfo info = or_throw(SessionReader(database_).get(session));
+    newest_utc_ns_ = std::max(newest_utc_ns_, info.started_utc_ns);
+    const std::string name = "session-" + std::to_string(session);
+    Result<std::string> page = batch_.page(session);
+    if (page) return {text_file(name + ".html", info.started_utc_ns, [text = std::move(*page)] { return text; })};
+    if (page.error().kind == ErrorKind::busy || page.error().kind == ErrorKind::io) throw SqlFailure{page.error()};
+    return {text_file(name + ".txt", info.started_utc_ns, [text = page.error().message + "\n"] { return text; })};
+  }
+  std::vector<BundleFile> last() override {
+    if (batch_.size() < 2) return {};
+    return {text_file("group.html", newest_utc_ns_, [this] { return batch_.group(); })};
+  }
+
+ private:
+  Database& database_;
+  ReportBatch batch_;
+  std::int64_t newest_utc_ns_ = 0;
+};
+
+std::unique_ptr<BundlePlan> plan_of(Database& database, const std::vector<SessionId>& sessions, BundleLayout layout,
+                                    const ReportOptions& reports) {
+  if (layout == BundleLayout::bids) return make_bids_plan(database, sessions);
+  if (layout == BundleLayout::reports) return std::make_unique<ReportsPlan>(database, reports);
+  return std::make_unique<FilesPlan>(database);
+}
 
 // The archive of a plan, piece by piece.
 class BundleWriter : public BundleSource {
@@ -166,20 +199,19 @@ Bundle::Bundle(Bundle&&) noexcept = default;
 Bundle& Bundle::operator=(Bundle&&) noexcept = default;
 Bundle::~Bundle() = default;
 
-Result<Bundle> Bundle::open(Database& database, std::vector<SessionId> sessions, BundleLayout layout) {
+Result<Bundle> Bundle::open(Database& database, std::vector<SessionId> sessions, BundleLayout layout, const ReportOptions& reports) {
   return guarded([&]() -> Result<Bundle> {
     if (sessions.empty()) return Error{ErrorKind::bad_value, "no session fits", "sessions"};
+    if (layout == BundleLayout::reports && sessions.size() > kMaxReports)
+      return Error{ErrorKind::bad_value, "more than " + std::to_string(kMaxReports) + " sessions fit; choose fewer for reports",
+                   "sessions"};
     for (const SessionId session : sessions)
       if (const auto info = SessionReader(database).get(session); !info) return info.error();
     auto state = std::make_unique<State>();
     if (layout == BundleLayout::sqlite) {
       state->writer = std::make_unique<SqliteWriter>(database, std::move(sessions), ExportOptions{.format = ExportFormat::sqlite});
     } else {
-      std::unique_ptr<BundlePlan> plan;
-      if (layout == BundleLayout::bids)
-        plan = make_bids_plan(database, sessions);
-      else
-        plan = std::make_unique<FilesPlan>(database);
+      auto plan = plan_of(database, sessions, layout, reports);
       state->writer = std::make_unique<BundleWriter>(std::move(plan), std::move(sessions));
     }
     return Bundle(std::move(state));

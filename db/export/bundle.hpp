@@ -1,5 +1,5 @@
-// Several sessions in one file: a ZIP with a folder per session, one with a data set as Motion-BIDS lays it out (bids.hpp), or plain tables
-// (sqlite.hpp). In pieces; the memory does not grow with the sessions' length.
+// Several sessions in one file: a ZIP with a folder per session, one with a data set as Motion-BIDS lays it out (bids.hpp), one with
+// reports for print (db/report/batch.hpp), or plain tables (sqlite.hpp). In pieces; the memory does not grow with the sessions' length.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "db/export/formats.hpp"
+#include "db/report/options.hpp"
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
@@ -17,8 +18,8 @@ namespace hoist::db {
 
 class Bundle {
  public:
-  /// Errors: bad_value (no session), not_found.
-  static Result<Bundle> open(Database& database, std::vector<SessionId> sessions, BundleLayout layout);
+  /// `reports`: of the layout of that name. Errors: bad_value (no session, more reports than kMaxReports), not_found.
+  static Result<Bundle> open(Database& database, std::vector<SessionId> sessions, BundleLayout layout, const ReportOptions& reports = {});
   Bundle(Bundle&&) noexcept;
   Bundle& operator=(Bundle&&) noexcept;
   ~Bundle();
@@ -43,6 +44,8 @@ struct SessionFilter {
   bool simulated = true;  ///< also recordings of a simulated hoist
 };
 inline constexpr std::size_t kMaxBundleSessions = 10000;
+/// Sessions of one bundle of reports: their figures wait for the table of all, some kilobytes each.
+inline constexpr std::size_t kMaxReports = 1000;
 /// Closed sessions in the order of recording. Errors: bad_value (a day that is none, more than kMaxBundleSessions).
 Result<std::vector<SessionId>> select_sessions(Database& database, const SessionFilter& filter);
 

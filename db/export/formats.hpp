@@ -63,7 +63,7 @@ inline constexpr std::string_view kExportFormatNames = detail::kBarAndNames.subs
 /// "csv: all samples as CSV; …"
 inline constexpr std::string_view kExportFormatDocs = detail::kMarkAndDocs.substr(2);
 
-enum class BundleLayout : std::uint8_t { files, bids, sqlite };
+enum class BundleLayout : std::uint8_t { files, bids, sqlite, reports };
 struct BundleLayoutInfo {
   BundleLayout layout;
   std::string_view name, file_name, media_type;
@@ -72,6 +72,7 @@ inline constexpr std::array kBundleLayouts{
     BundleLayoutInfo{BundleLayout::files, "files", "hoist_sessions.zip", "application/zip"},
     BundleLayoutInfo{BundleLayout::bids, "bids", "hoist_bids.zip", "application/zip"},
     BundleLayoutInfo{BundleLayout::sqlite, "sqlite", "hoist_sessions.sqlite", "application/vnd.sqlite3"},
+    BundleLayoutInfo{BundleLayout::reports, "reports", "hoist_reports.zip", "application/zip"},
 };
 constexpr const BundleLayoutInfo& bundle_layout_info(BundleLayout layout) { return kBundleLayouts[static_cast<std::size_t>(layout)]; }
 constexpr std::optional<BundleLayout> find_bundle_layout(std::string_view name) {

@@ -5,9 +5,13 @@
 #include <string>
 #include <string_view>
 
-#include "db/report/words.hpp"
-
 namespace hoist::db {
+
+enum class Language : std::uint8_t { en, de };
+[[nodiscard]] inline std::optional<Language> find_language(std::string_view name) {
+  if (name == "en") return Language::en;
+  return name == "de" ? std::optional(Language::de) : std::nullopt;
+}
 
 /// patient: one page in plain words. full: every figure with definition and gate, alarms, settings, origin.
 enum class ReportKind : std::uint8_t { patient, full };

@@ -9,6 +9,7 @@
 
 #include "db/metrics/metric_list.hpp"
 #include "db/report/options.hpp"
+#include "db/report/words.hpp"
 #include "db/store/session_types.hpp"
 
 namespace hoist::db::report {

@@ -347,18 +347,4 @@ Result<std::string> session_report(Database& database, const ReportSession& of, 
   return page.whole(&session);
 }
 
-Result<std::string> session_report(Database& database, SessionId session, const ReportOptions& options) {
-  const auto of = read_report_session(database, session);
-  if (!of) return of.error();
-  const auto sessions = report_trend(database, of->session);
-  if (!sessions) return sessions.error();
-  std::vector<TrendEntry> trend;
-  for (const TrendSession& one : *sessions) {
-    auto entry = trend_entry(database, one);
-    if (!entry) return entry.error();
-    if (*entry) trend.push_back(std::move(**entry));
-  }
-  return session_report(database, *of, trend, options);
-}
-
 }  // namespace hoist::db

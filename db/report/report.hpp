@@ -33,8 +33,6 @@ struct ReportSession {
 /// `trend`: the figures of report_trend, newest first (trend_entry). Errors: not_found, corrupt, io.
 [[nodiscard]] Result<std::string> session_report(Database& database, const ReportSession& of, std::span<const TrendEntry> trend,
                                                  const ReportOptions& options);
-/// The same, with its session and trend read here.
-[[nodiscard]] Result<std::string> session_report(Database& database, SessionId session, const ReportOptions& options);
 
 /// The main figures of several sessions with mean and standard deviation over the valid ones. The kind of the options is not used.
 [[nodiscard]] std::string group_report(std::span<const ReportSession> sessions, const ReportOptions& options);

@@ -9,11 +9,6 @@
 
 namespace hoist::db {
 
-std::optional<Language> find_language(std::string_view name) {
-  if (name == "en") return Language::en;
-  return name == "de" ? std::optional(Language::de) : std::nullopt;
-}
-
 namespace report {
 
 namespace {

@@ -2,19 +2,15 @@
 #pragma once
 #include <cstdint>
 #include <initializer_list>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "control/contract/params.hpp"
 #include "db/metrics/change.hpp"
 #include "db/metrics/metric.hpp"
+#include "db/report/options.hpp"
 
 namespace hoist::db {
-
-enum class Language : std::uint8_t { en, de };
-/// "en" or "de".
-[[nodiscard]] std::optional<Language> find_language(std::string_view name);
 
 namespace report {
 

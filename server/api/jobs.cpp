@@ -72,6 +72,8 @@ void start_job(const CallPtr& call) {
   arguments.seed = body.value("seed", arguments.seed);
   arguments.study = body.value("study", arguments.study);
   arguments.layout = *db::find_bundle_layout(body.value("layout", "files"));
+  arguments.reports.kind = *db::find_report_kind(body.value("report", "full"));
+  arguments.reports.language = *db::find_language(body.value("language", "en"));
   act_start_job(call->services, asker_of(*call), *find_job_kind(body.at("kind").get_ref<const std::string&>()), std::move(arguments),
                 answer_with(call, [call](const Outcome& outcome) { respond_accepted(call, outcome.job); }));
 }

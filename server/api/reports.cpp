@@ -1,5 +1,5 @@
 // Reports for print: of a session, and of the sessions of a visit.
-#include "db/report/report.hpp"
+#include "db/report/batch.hpp"
 
 #include <memory>
 

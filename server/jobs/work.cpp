@@ -90,7 +90,9 @@ JobResult export_sessions(const JobTools& tools, const JobArguments& arguments, 
     ids = std::move(*chosen);
   }
   const std::size_t count = ids.size();
-  auto bundle = db::Bundle::open(*database, std::move(ids), arguments.layout);
+  db::ReportOptions reports = arguments.reports;
+  reports.program = tools.program;
+  auto bundle = db::Bundle::open(*database, std::move(ids), arguments.layout, reports);
   if (!bundle) return bundle.error();
   const auto file = db::SpoolFile::create(tools.file.parent_path());
   if (!file) return file.error();

@@ -28,10 +28,11 @@ struct JobArguments {
   bool identity_key = false;                 // of backup: the key of the patients' names goes with it
   db::SessionFilter filter = {};             // of export_sessions without sessions
   db::BundleLayout layout = db::BundleLayout::files;
-  db::RetentionRule rule = {};  // of preview_retention
-  int subjects = 1;             // of study …
-  std::uint64_t seed = 1;       // … and their seed
-  std::int64_t study = 0;       // of delete_study
+  db::ReportOptions reports = {};  // of the layout of that name
+  db::RetentionRule rule = {};     // of preview_retention
+  int subjects = 1;                // of study …
+  std::uint64_t seed = 1;          // … and their seed
+  std::int64_t study = 0;          // of delete_study
 };
 // What a job may use.
 struct JobTools {

@@ -115,5 +115,10 @@ describe('many sessions as one file', { timeout: minutes_ms }, () => {
       asked: { layout: 'bids', simulated: false, from_day: '2026-11-01', subject: 'K-07' },
     });
     expect(Object.keys(fake.jobs.at(-1)?.asked ?? {}), 'an empty field is no filter').not.toContain('to_day');
+    await page.getByLabel(en['exports.layout']).selectOption('patient');
+    await button(en['exports.make']).click();
+    await page.locator('progress').waitFor();
+    expect(fake.jobs.at(-1)).toMatchObject({ asked: { layout: 'reports', report: 'patient', language: 'en' } });
+    fake.finishJobs();
   });
 });

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "control/contract/program_version.hpp"
 #include "db/export/bundle.hpp"
 #include "db/export/session_export.hpp"
 #include "deploy/tools/hoist/command.hpp"
@@ -20,7 +21,7 @@ void print_help(std::FILE* out) {
   std::string text =
       "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
       "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
-      "       hoist export DB [SESSION…] --bundle files|bids|sqlite [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
+      "       hoist export DB [SESSION…] --bundle files|bids|sqlite|reports [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
       "                    [--tag TAG] [--visit ID] [--no-simulated] [--out FILE]\n\n"
       "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
   for (const db::ExportFormatInfo& format : db::kExportFormats) {
@@ -32,9 +33,8 @@ void print_help(std::FILE* out) {
       "\n  --columns      these live values only\n"
       "  --no-constant  without the live values that never changed\n"
       "  --no-comments  without the '#' lines\n\n"
-      "  --bundle       several sessions in one file, those named or all that the filters leave: a ZIP (bids: as Motion-BIDS lays it out) "
-      "or\n"
-      "                 plain tables of SQLite\n"
+      "  --bundle       several sessions in one file, those named or all that the filters leave: a ZIP (bids: as Motion-BIDS lays it out;\n"
+      "                 reports: full pages for print in English, see hoist report) or plain tables of SQLite\n"
       "  --tag          sessions whose note holds the word #TAG\n";
   std::fputs(text.c_str(), out);
 }
@@ -84,7 +84,7 @@ Refusal take_option(Wish& wish, std::string_view option, const std::function<std
   } else if (option == "--bundle") {
     const auto name = value();
     wish.bundle = name ? db::find_bundle_layout(*name) : std::nullopt;
-    if (!wish.bundle) return "--bundle is files, bids or sqlite";
+    if (!wish.bundle) return "--bundle is files, bids, sqlite or reports";
   } else if (option == "--visit") {
     const auto id = value();
     wish.filter.visit = id ? parse_session(*id) : std::nullopt;
@@ -130,7 +130,8 @@ int export_bundle(db::Database& database, const Wish& wish, std::vector<db::Sess
     if (!chosen) return refuse("export", chosen.error());
     sessions = std::move(*chosen);
   }
-  db::Result<db::Bundle> bundle = db::Bundle::open(database, std::move(sessions), *wish.bundle);
+  db::Result<db::Bundle> bundle =
+      db::Bundle::open(database, std::move(sessions), *wish.bundle, {.program = std::string(contract::program_version())});
   if (!bundle) return refuse("export", bundle.error());
   return write_all(wish.out_file, [&](std::string& piece) { return bundle->next_chunk(piece); });
 }

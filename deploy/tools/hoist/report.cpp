@@ -1,13 +1,9 @@
 // hoist report: recorded sessions on paper, one page each, and all of them in one table.
-#include "db/report/report.hpp"
-
 #include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,6 +11,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "db/export/bundle.hpp"
+#include "db/report/batch.hpp"
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 
@@ -89,49 +86,12 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
   return {};
 }
 
-// Many reports look at the same earlier sessions: each is evaluated once.
-class Batch {
- public:
-  Batch(db::Database& database, const Request& request) : database_(database), request_(request) {}
-
-  // Writes the page of a session.
-  db::Status write(db::SessionId id) {
-    auto of = db::read_report_session(database_, id);
-    if (!of) return of.error();
-    const auto sessions = db::report_trend(database_, of->session);
-    if (!sessions) return sessions.error();
-    std::vector<db::TrendEntry> trend;
-    for (const db::TrendSession& one : *sessions) {
-      const auto entry = entry_of(one);
-      if (!entry) return entry.error();
-      if (*entry) trend.push_back(**entry);
-    }
-    const auto page = db::session_report(database_, *of, trend, request_.options);
-    if (!page) return page.error();
-    group_.push_back(std::move(*of));
-    return save("session-" + std::to_string(id) + ".html", *page);
-  }
-  db::Status write_group() { return save("group.html", db::group_report(group_, request_.options)); }
-
- private:
-  db::Result<std::optional<db::TrendEntry>> entry_of(const db::TrendSession& session) {
-    if (const auto at = known_.find(session.session); at != known_.end()) return at->second;
-    auto entry = db::trend_entry(database_, session);
-    if (entry) known_.emplace(session.session, *entry);
-    return entry;
-  }
-  db::Status save(const std::string& name, const std::string& page) const {
-    std::ofstream file(request_.out / name, std::ios::binary);
-    file << page;
-    if (file.flush()) return {};
-    return db::Error{db::ErrorKind::io, "cannot write " + (request_.out / name).string(), {}};
-  }
-
-  db::Database& database_;
-  const Request& request_;
-  std::map<db::SessionId, std::optional<db::TrendEntry>> known_;
-  std::vector<db::ReportSession> group_;
-};
+db::Status save(const std::filesystem::path& file, const std::string& page) {
+  std::ofstream out(file, std::ios::binary);
+  out << page;
+  if (out.flush()) return {};
+  return db::Error{db::ErrorKind::io, "cannot write " + file.string(), {}};
+}
 
 // One line that counts, on a terminal.
 void show_progress(std::size_t done, std::size_t of) {
@@ -140,17 +100,20 @@ void show_progress(std::size_t done, std::size_t of) {
 }
 
 int write_all(db::Database& database, const Request& request, const std::vector<db::SessionId>& sessions) {
-  Batch batch(database, request);
+  db::ReportBatch batch(database, request.options);
   std::size_t written = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
-    if (const db::Status done = batch.write(sessions[i]); done.ok())
+    const auto page = batch.page(sessions[i]);
+    const db::Status done =
+        page ? save(request.out / ("session-" + std::to_string(sessions[i]) + ".html"), *page) : db::Status(page.error());
+    if (done.ok())
       ++written;
     else
       std::fprintf(stderr, "hoist report: session %lld: %s\n", static_cast<long long>(sessions[i]), done.error().message.c_str());
     show_progress(i + 1, sessions.size());
   }
   if (written > 1)
-    if (const db::Status done = batch.write_group(); !done.ok()) return refuse("report", done.error());
+    if (const db::Status done = save(request.out / "group.html", batch.group()); !done.ok()) return refuse("report", done.error());
   std::printf("%zu of %zu reports written to %s\n", written, sessions.size(), request.out.c_str());
   if (written == sessions.size()) return kDone;
   return written == 0 ? kRefused : kPartly;

@@ -63,6 +63,16 @@ class Archives(unittest.TestCase):
         self.assertEqual(archive.getinfo(head + "session.csv").date_time[:3], (2026, 9, 21))
         self.assertEqual(archive.getinfo(head + "session.csv").external_attr >> 16, 0o100644)
 
+    def reports_are_the_pages_that_the_tool_writes_into_a_folder(self):
+        folder = os.path.join(self.folder.name, "pages")
+        hoist("report", self.database, "--session", "1", "--session", "2", "--session", "3", "--out", folder)
+        archive = self.archive("--bundle", "reports")
+        self.assertEqual(archive.namelist(), ["session-1.html", "session-2.html", "session-3.html", "group.html"])
+        for name in archive.namelist():
+            with open(os.path.join(folder, name), "rb") as page:
+                self.assertEqual(archive.read(name), page.read(), name)
+        self.assertEqual(self.archive("3", "--bundle", "reports").namelist(), ["session-3.html"])
+
     def filters_choose_the_sessions(self):
         def sessions(*filters):
             return sorted({name.split("/")[0] for name in self.archive("--bundle", "files", *filters).namelist()})
@@ -255,6 +265,7 @@ if __name__ == "__main__":
     suite = Archives()
     code = run_suite("ExportArchives", [
         suite.a_session_as_an_archive_holds_the_same_files_as_the_single_exports,
+        suite.reports_are_the_pages_that_the_tool_writes_into_a_folder,
         suite.filters_choose_the_sessions,
         suite.samples_are_rows_of_a_table_with_the_numbers_of_the_csv,
         suite.plain_tables_of_several_sessions_hold_the_numbers_of_the_csv,

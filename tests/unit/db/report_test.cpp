@@ -1,5 +1,5 @@
 // Reports: every number is the stored one, no figure stands where its gate is closed, and no text becomes markup.
-#include "db/report/report.hpp"
+#include "db/report/batch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "control/contract/program_version.hpp"
+#include "db/export/bundle.hpp"
 #include "db/report/pictures.hpp"
 #include "db/store/tasks.hpp"
 #include "db/summary/session_json.hpp"
@@ -303,6 +304,29 @@ TEST(Report, TheToolWritesTheSamePages) {
     EXPECT_EQ(file("session-" + std::to_string(id) + ".html"), *page);
   }
   EXPECT_NE(file("group.html").find("Bericht über mehrere Sitzungen"), std::string::npos);
+}
+
+// A session without a report is no reason to withhold those of the others.
+TEST(Report, ABundleTellsWhyASessionHasNone) {
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  r.walk("P-01", "");
+  auto bundle = Bundle::open(r.database, r.sessions, BundleLayout::reports, {.kind = ReportKind::patient, .program = "test"});
+  ASSERT_TRUE(bundle.ok());
+  std::string all, piece;
+  for (;;) {
+    const auto more = bundle->next_chunk(piece);
+    ASSERT_TRUE(more.ok()) << more.error().message;
+    if (!*more) break;
+    all += piece;
+  }
+  EXPECT_NE(all.find("session-" + std::to_string(r.sessions[0]) + ".html"), std::string::npos);
+  EXPECT_NE(all.find("session-" + std::to_string(r.sessions[1]) + ".txt"), std::string::npos);
+  EXPECT_EQ(all.find("group.html"), std::string::npos) << "one page needs no table of all";
+  const std::vector<SessionId> many(kMaxReports + 1, r.sessions[0]);
+  EXPECT_EQ(Bundle::open(r.database, many, BundleLayout::reports).error().kind, ErrorKind::bad_value);
+  EXPECT_TRUE(Bundle::open(r.database, many, BundleLayout::files).ok());
 }
 
 TEST(Report, ASessionThatIsBeingRecordedHasNone) {

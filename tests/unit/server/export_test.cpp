@@ -238,6 +238,12 @@ TEST_F(Exports, ManySessionsAreAJobWithAFile) {
   EXPECT_EQ(plain.header("content-type"), "application/vnd.sqlite3");
   EXPECT_EQ(plain.header("content-disposition"), "attachment; filename=\"hoist_sessions.sqlite\"");
   EXPECT_EQ(plain.body.substr(0, 16), std::string("SQLite format 3\0", 16));
+  const std::string pages = finished({{"kind", "export_sessions"}, {"layout", "reports"}, {"report", "patient"}, {"language", "de"}});
+  const Answer reports = get(pages + "/file");
+  EXPECT_EQ(reports.header("content-disposition"), "attachment; filename=\"hoist_reports.zip\"");
+  for (const char* word : {"session-1.html", "session-2.html", "group.html"}) EXPECT_NE(reports.body.find(word), std::string::npos) << word;
+  const std::string english = finished({{"kind", "export_sessions"}, {"layout", "reports"}, {"report", "patient"}});
+  EXPECT_NE(get(english + "/file").body, reports.body);
   const std::string none = finished({{"kind", "export_sessions"}, {"subject", "P-3"}});
   EXPECT_EQ(get(none).json()["state"], "failed");
   EXPECT_EQ(get(none).json()["detail"], "no session fits");
@@ -246,6 +252,7 @@ TEST_F(Exports, ManySessionsAreAJobWithAFile) {
   EXPECT_EQ(get(place + "/file").status, 404) << "only the newest files are kept";
   EXPECT_EQ(get(place).json()["state"], "done");
   EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "export_sessions"}, {"layout", "xls"}}).status, 422);
+  EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "export_sessions"}, {"layout", "reports"}, {"language", "fr"}}).status, 422);
   EXPECT_EQ(call("POST", "/api/v1/jobs", {{"kind", "export_sessions"}, {"from_day", "1.9.2026"}}).status, 422);
 }
 

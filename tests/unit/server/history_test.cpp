@@ -9,7 +9,7 @@
 #include "control/contract/params.hpp"
 #include "control/contract/program_version.hpp"
 #include "db/metrics/metric_list.hpp"
-#include "db/report/report.hpp"
+#include "db/report/batch.hpp"
 #include "db/store/database.hpp"
 #include "server/api/idempotency.hpp"
 #include "server/contract/routes.hpp"

@@ -643,8 +643,12 @@ export type JobRequest = {
   /** YYYY-MM-DD. */
   from_day?: string;
   kind: 'export_sessions';
-  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names; sqlite: one SQLite file with plain tables. */
-  layout?: 'files' | 'bids' | 'sqlite';
+  /** Of the layout reports; en when not given. */
+  language?: 'en' | 'de';
+  /** files (when not given): a folder per session; bids: a data set as Motion-BIDS lays it out, without notes and user names; sqlite: one SQLite file with plain tables; reports: pages for print of at most 1000 sessions, and one of all. */
+  layout?: 'files' | 'bids' | 'sqlite' | 'reports';
+  /** Of the layout reports: one page in plain words, or full (when not given). */
+  report?: 'patient' | 'full';
   /** These only; the filters do not count. */
   sessions?: readonly number[];
   /** false: without recordings of a simulated hoist. */

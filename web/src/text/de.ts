@@ -564,6 +564,8 @@ export const de: Table = {
   'exports.files': 'Ein Ordner je Sitzung',
   'exports.bids': 'Forschungsdatensatz (Motion-BIDS)',
   'exports.sqlite': 'Einfache Tabellen (SQLite)',
+  'exports.patient': 'Berichte für Patienten, zum Drucken',
+  'exports.full': 'Ausführliche Berichte, zum Drucken',
   'exports.simulated': 'Auch Aufnahmen der Simulation',
   'exports.make': 'Datei erstellen',
   'exports.making': 'Stellt zusammen …',

@@ -565,6 +565,8 @@ export const en = {
   'exports.files': 'A folder for each session',
   'exports.bids': 'Research data set (Motion-BIDS)',
   'exports.sqlite': 'Plain tables (SQLite)',
+  'exports.patient': 'Reports for patients, to print',
+  'exports.full': 'Full reports, to print',
   'exports.simulated': 'Also recordings of the simulation',
   'exports.make': 'Make file',
   'exports.making': 'Collecting …',

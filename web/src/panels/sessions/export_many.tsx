@@ -3,19 +3,29 @@ import { useState } from 'preact/hooks';
 import type { Job } from '../../contract/rest.gen';
 import { useJob } from '../../link/jobs';
 import { address } from '../../link/rest';
+import { useSettings } from '../../text/settings';
 import { t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { Progress } from '../../ui/progress';
 
 const codeMost = 64;
 const mega = 1e6;
-type Layout = 'files' | 'bids' | 'sqlite';
+/** What the file holds; both kinds of reports are one layout. */
+const contents = {
+  files: 'exports.files',
+  bids: 'exports.bids',
+  sqlite: 'exports.sqlite',
+  patient: 'exports.patient',
+  full: 'exports.full',
+} as const;
+type Content = keyof typeof contents;
 
 export function ExportMany() {
   const [from, setFrom] = useState('');
   const [to, setTo] = useState('');
   const [subject, setSubject] = useState('');
-  const [layout, setLayout] = useState<Layout>('files');
+  const [content, setContent] = useState<Content>('files');
+  const { language } = useSettings();
   const [simulated, setSimulated] = useState(false);
   const [made, setMade] = useState<Job | null>(null);
   const work = useJob('export_sessions', setMade);
@@ -23,7 +33,7 @@ export function ExportMany() {
     setMade(null);
     void work.start({
       kind: 'export_sessions',
-      layout,
+      ...(content === 'patient' || content === 'full' ? { layout: 'reports', report: content, language } : { layout: content }),
       simulated,
       ...(from === '' ? {} : { from_day: from }),
       ...(to === '' ? {} : { to_day: to }),
@@ -48,10 +58,12 @@ export function ExportMany() {
         <Field label={t('sessions.subject')} hint={t('exports.all')} value={subject} most={codeMost} disabled={work.busy} onValue={setSubject} />
         <label class="field">
           <span>{t('exports.layout')}</span>
-          <select value={layout} disabled={work.busy} onChange={(event) => setLayout(event.currentTarget.value as Layout)}>
-            <option value="files">{t('exports.files')}</option>
-            <option value="bids">{t('exports.bids')}</option>
-            <option value="sqlite">{t('exports.sqlite')}</option>
+          <select value={content} disabled={work.busy} onChange={(event) => setContent(event.currentTarget.value as Content)}>
+            {Object.entries(contents).map(([name, text]) => (
+              <option key={name} value={name}>
+                {t(text)}
+              </option>
+            ))}
           </select>
         </label>
         <label class="check">
