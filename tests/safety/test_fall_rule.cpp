@@ -1,0 +1,187 @@
+// The fall guard against its rule, written a second time from its description (control/core/monitor/fall.hpp, DECISIONS 156): random leans of a
+// body in a hoist that speeds up, brakes and stands. Each step must be judged alike.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "control/core/modes/mode_list.hpp"
+#include "tests/unit/core/scripted_hoist.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+struct Lean {
+  double forward_deg, right_deg;
+  [[nodiscard]] double length() const { return std::hypot(forward_deg, right_deg); }
+};
+
+/// Mean of both struts against the chassis.
+Lean lean_of(const Estimate& sensed) {
+  const auto degrees = [](double left_rad, double right_rad, double base_rad) { return ((left_rad + right_rad) / 2 - base_rad) / kDeg; };
+  return {degrees(sensed.left_strut.alpha_rad(), sensed.right_strut.alpha_rad(), sensed.base.alpha_rad()),
+          degrees(sensed.left_strut.beta_rad(), sensed.right_strut.beta_rad(), sensed.base.beta_rad())};
+}
+Lean rate_of(const Estimate& sensed) {
+  const auto degrees = [](double left_rad_s, double right_rad_s, double base_rad_s) {
+    return ((left_rad_s + right_rad_s) / 2 - base_rad_s) / kDeg;
+  };
+  return {degrees(sensed.left_strut.alpha_rate_rad_s(), sensed.right_strut.alpha_rate_rad_s(), sensed.base.alpha_rate_rad_s()),
+          degrees(sensed.left_strut.beta_rate_rad_s(), sensed.right_strut.beta_rate_rad_s(), sensed.base.beta_rate_rad_s())};
+}
+
+class Rule {
+ public:
+  /// Whether this step of a moving hoist is a fall. `speed_m_s` is the last command.
+  bool falls(const Lean& lean, const Lean& rate, double speed_m_s, bool moving) {
+    const double change_m_s2 = (speed_m_s - speed_m_s_) / kTick_s;
+    speed_m_s_ = speed_m_s;
+    ++since_push_ticks_;
+    if (std::fabs(change_m_s2) >= 0.4) {
+      since_push_ticks_ = 0;
+      pushed_forward_ = change_m_s2 < 0;
+    }
+    const bool rests = lean.length() > 13;
+    rest_ticks_ = rests ? rest_ticks_ + 1 : 0;
+    if (!rests) swings_ = false;
+    if (!moving) return false;
+    // Thrown by the hoist itself: in the 0.3 s after its push, that way, and not mainly aside.
+    const bool thrown =
+        since_push_ticks_ < 30 && (lean.forward_deg > 0) == pushed_forward_ && std::fabs(lean.right_deg) <= std::fabs(lean.forward_deg);
+    const bool by_braking = thrown && (speed_m_s == 0 || (speed_m_s > 0) == pushed_forward_);
+    if (by_braking && rests) swings_ = true;
+    if (rest_ticks_ >= (swings_ ? 60 : 10)) return true;
+    if (by_braking) return false;
+    // A quick lean counts 1.05 times to the side.
+    const double counted_deg = std::hypot(lean.forward_deg, 1.05 * lean.right_deg);
+    if (counted_deg <= (thrown ? 11.5 : 10.0)) return false;
+    return (lean.forward_deg * rate.forward_deg + lean.right_deg * rate.right_deg) / lean.length() > 25;
+  }
+
+ private:
+  double speed_m_s_ = 0;
+  int since_push_ticks_ = 1000, rest_ticks_ = 0;
+  bool pushed_forward_ = false, swings_ = false;
+};
+
+/// Goes to a random place at a random pace, stays a while, and again.
+class Wanderer {
+ public:
+  Wanderer(std::mt19937& random, std::vector<double> places, std::vector<double> paces_per_s)
+      : random_(random), places_(std::move(places)), paces_per_s_(std::move(paces_per_s)) {}
+  double step() {
+    if (at_ == to_ && wait_ticks_-- <= 0) {
+      to_ = one_of(places_) * (random_() % 2 == 0 ? 1 : -1);
+      pace_per_s_ = one_of(paces_per_s_);
+      wait_ticks_ = static_cast<int>(random_() % 80);
+    }
+    const double most = pace_per_s_ * kTick_s;
+    return at_ += std::clamp(to_ - at_, -most, most);
+  }
+
+ private:
+  double one_of(const std::vector<double>& all) { return all[random_() % all.size()]; }
+
+  std::mt19937& random_;
+  std::vector<double> places_, paces_per_s_;
+  double at_ = 0, to_ = 0, pace_per_s_ = 0;
+  int wait_ticks_ = 0;
+};
+
+class FallRule : public ::testing::Test {
+ protected:
+  // Where the body goes, and how fast, per second.
+  struct Body {
+    Wanderer forward, right, base_forward, base_right;
+  };
+  static Body body(std::mt19937& random, std::vector<double> places, std::vector<double> paces) {
+    return {{random, std::move(places), paces},
+            {random, {0, 0, 0, 5, 9.7, 11, 13.5}, paces},
+            {random, {0, 0, 1}, {1, 20}},
+            {random, {0, 0, 1}, {1, 20}}};
+  }
+  void start(double acceleration_m_s2) {
+    contract::Params params;
+    params.remote_speed_m_s_max = 0.6;
+    params.acceleration_m_s2_max = acceleration_m_s2;
+    hoist_.emplace(params);
+    rule_ = {};
+    ASSERT_TRUE(hoist_->start(Mode::remote));
+    hoist_->tilt_left.slew_deg = hoist_->tilt_right.slew_deg = hoist_->tilt_base.slew_deg = 5;
+  }
+  void lean(double forward_deg, double right_deg) {
+    hoist_->lean(forward_deg);
+    hoist_->tilt_left.beta_deg = hoist_->tilt_right.beta_deg = right_deg;
+  }
+  /// One step, judged; whether it was a fall.
+  bool falls(double stick) {
+    const bool moving = is_moving(hoist_->state.mode);
+    const double told_m_s = (hoist_->state.left_command_m_s + hoist_->state.right_command_m_s) / 2;
+    hoist_->drive_for(1, stick);
+    const Estimate& sensed = hoist_->state.sensed;
+    const bool expected = rule_.falls(lean_of(sensed), rate_of(sensed), told_m_s, moving);
+    EXPECT_EQ(hoist_->has_fault(Fault::fall_detected), expected)
+        << contract::kModes[static_cast<std::size_t>(hoist_->state.mode)].name << ", lean " << lean_of(sensed).forward_deg << " and "
+        << lean_of(sensed).right_deg << " degrees at " << rate_of(sensed).forward_deg << " degrees/s, told " << told_m_s << " m/s";
+    found_ += expected ? 1 : 0;
+    return expected || HasFailure();
+  }
+
+  std::optional<ScriptedHoist> hoist_;
+  Rule rule_;
+  int found_ = 0;
+};
+
+TEST_F(FallRule, H15EachStepOfARandomBodyIsJudgedByTheRule) {
+  for (unsigned seed = 1; seed <= 150; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    start(seed % 4 == 0 ? 0.3 : 0.5);
+    Body at = body(random, {0, 6, 9.5, 11, 12.5, 13.5, 14}, {10, 20, 24, 27, 45});
+    double stick = 0;
+    for (int i = 0; i < 400; ++i) {
+      if (random() % 60 == 0) stick = std::array{-1.0, 0.0, 0.0, 1.0}[random() % 4];
+      // Who lies in the stop of a hoist that stands anyway is no news.
+      if (seed % 5 == 0 && i == 150) hoist_->send(CommandKind::stop);
+      lean(at.forward.step(), at.right.step());
+      hoist_->tilt_base.alpha_deg = at.base_forward.step();
+      hoist_->tilt_base.beta_deg = at.base_right.step();
+      if (falls(stick)) break;
+    }
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(found_, 50);
+}
+
+// The swing that the hoist's own brake begins: leans that go out before it, in it, and when it ends, and come again.
+TEST_F(FallRule, H15EachStepOfABodyThatIsThrownIsJudgedByTheRule) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    start(0.5);
+    const double way = seed % 4 == 0 ? -1 : 1;
+    for (int i = 0; i < 130; ++i) ASSERT_FALSE(falls(way));
+    const int out_tick = static_cast<int>(random() % 180) - 60;
+    const double pace_deg = std::array{0.203, 0.271, 0.449}[random() % 3];  // never on a limit, where rounding decides
+    const double side = random() % 5 == 0 ? -way : way;
+    double at_deg = 0, to_deg = 13.5;
+    for (int i = -60; i < 260; ++i) {
+      if (i >= out_tick) {
+        if (at_deg == to_deg && random() % 12 == 0) to_deg = to_deg > 13 ? 12.6 : 13.5;
+        at_deg += std::clamp(to_deg - at_deg, -pace_deg, pace_deg);
+      }
+      lean(side * at_deg, 0);
+      if (falls(i < 0 ? way : 0)) break;
+    }
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(found_, 50);
+}
+
+}  // namespace
+}  // namespace hoist::core::test
