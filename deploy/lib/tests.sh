@@ -110,17 +110,20 @@ run_browser_tests() {
 }
 
 # run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
-# run beside the others; their output is shown when they end.
+# run beside the others; their output is shown when they end. Not beside the suite that walks in the guest: a browser is a session of its own,
+# and the kernel shares the processors among sessions before it looks at priorities.
 run_suites() {
   local results=$1 filter=$2 browser
   {
+    until [ -e "$results/gtest/vcan_core.xml" ] || [ -e "$results/ctest.ended" ]; do sleep 1; done
     run_browser_tests "$results" "$filter"
     run_web_tests "$results" "$filter"
   } >"$results/web.log" 2>&1 &
   browser=$!
   # A background job of a script does not get Ctrl-C from the terminal.
-  trap 'pkill -P "$browser"; exit 130' INT TERM
+  trap 'pkill -P "$browser"; kill "$browser"; exit 130' INT TERM
   run_ctest build "$results" "$filter"
+  : >"$results/ctest.ended"
   wait "$browser" || record_step "$results" failed web "the tests of the console ended badly"
   trap - INT TERM
   cat "$results/web.log" >&2
