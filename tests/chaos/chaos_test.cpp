@@ -20,7 +20,8 @@ namespace {
 
 using contract::Mode;
 
-constexpr std::uint64_t kSessions = tests::seeds_for(40, 6), kUnmoved = tests::seeds_for(10, 4);
+const auto kSessions = static_cast<std::uint64_t>(tests::seeds_for(40, 16, 6)),
+           kUnmoved = static_cast<std::uint64_t>(tests::seeds_for(10, 5, 4));
 
 std::string list(const SessionReport& report) {
   std::string text = "hoist-chaos --sessions 1 --story --seed " + std::to_string(report.seed) + " shows it:\n";

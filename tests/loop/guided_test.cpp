@@ -235,7 +235,7 @@ TEST(Guided, SilenceEndsItWithinItsDistance) {
 // yields, and no monitor trips.
 TEST(Guided, H15_H16_AHoistThatLeadsWaitsForWhoWalksSlower) {
   const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1}, {GuidedShape::eight, true, 1.0, 0.8, 0.3, 1}};
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 3)); ++seed)
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(22, 8, 3)); ++seed)
     for (const bool stubborn : {false, true})
       for (const GuidedPath& path : paths) {
         ClosedLoopOptions options = standing();
@@ -274,7 +274,7 @@ TEST(Guided, H15_APatientWhoHasSetOffIsLedToTheEnd) {
   const GuidedPath paths[] = {{GuidedShape::eight, false, 1.0, 0.8, 0.3, 1},
                               {GuidedShape::square, false, 2.0, 0, 0.3, 1},
                               {GuidedShape::straight, false, 6.0, 0, 0.3, 1}};
-  const std::uint64_t seeds = thorough() ? 66 : seeds_for(22, 3);
+  const auto seeds = static_cast<std::uint64_t>(seeds_for(66, 12, 3));
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
     for (const double pause_s : {0.0, 4.5 + 0.1 * static_cast<double>(seed % 22)}) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", pauses of " + std::to_string(pause_s) + " s");

@@ -18,7 +18,7 @@ using contract::Mode;
 int cuts() {
   const char* asked = std::getenv("HOIST_STOP_CUTS");
   const int n = asked != nullptr ? std::atoi(asked) : 0;
-  return n > 0 ? n : seeds_for(120, 40);
+  return n > 0 ? n : seeds_for(120, 120, 40);
 }
 
 enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided, end_driving };

@@ -104,7 +104,7 @@ ClosedLoopOptions preset(const contract::PresetInfo& info, std::string_view scen
 TEST(Walking, TheEightIsAsTrueWithEveryPreset) {
   for (const contract::PresetInfo& info : contract::kPresets) {
     SCOPED_TRACE(info.name);
-    const std::uint64_t seeds = thorough() ? 24 : seeds_for(6, 2);
+    const auto seeds = static_cast<std::uint64_t>(seeds_for(24, 4, 2));
     double j = 0, c = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
       ClosedLoopOptions options = preset(info, "figure-eight", seed);
@@ -128,7 +128,7 @@ TEST(Walking, TheEightIsAsTrueWithEveryPreset) {
 // The patient does not know the settings. On wet patches a push may rarely look like a fall or fail a sensor's own check. In all other
 // walks the patient continues to lead.
 TEST(Walking, H15_EveryPresetIsLedOnEveryFigure) {
-  const std::uint64_t seeds = thorough() ? 24 : seeds_for(6, 1);
+  const auto seeds = static_cast<std::uint64_t>(seeds_for(24, 3, 1));
   for (const contract::PresetInfo& info : contract::kPresets) {
     for (const char* figure : {"figure-eight", "square", "straight", "slippery"}) {
       const bool wet = sim::find_scenario(figure)->slippery;
