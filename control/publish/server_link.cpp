@@ -143,7 +143,8 @@ void ServerLink::beat() noexcept {
 std::uint64_t ServerLink::send(contract::Command& command) noexcept {
   if (!command_.mapping || !state_) return 0;
   const std::uint64_t taken = state_->as<const StateSegment>()->header.commands_taken.load(std::memory_order_acquire);
-  if (sent_ - taken >= contract::kCommandSlots) return 0;
+  const std::size_t kept = command.kind == contract::CommandKind::stop ? 0 : kSlotsForStop;
+  if (sent_ - taken >= contract::kCommandSlots - kept) return 0;
   command.sequence = ++sent_;
   ring_write(command_.mapping->as<CommandSegment>()->commands, command);
   return sent_;

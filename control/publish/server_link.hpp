@@ -37,6 +37,8 @@ enum class LinkProblem : std::uint8_t { none, absent, silent, gone, taken, other
 
 class ServerLink {
  public:
+  // Of the ring of commands.
+  static constexpr std::size_t kSlotsForStop = 8;
   explicit ServerLink(std::string socket_path);
   // Tries to attach when there is no core, notices when it is gone. Never blocks: asks at most every 100 ms, and a later call takes the
   // answer. A core that stands still has the question waiting. Returns attached().
@@ -55,7 +57,8 @@ class ServerLink {
   [[nodiscard]] LinkProblem problem() const { return error_.empty() ? LinkProblem::none : problem_; }
 
   void beat() noexcept;
-  // Gives the command its sequence and stores it. Returns the sequence, or 0 when no core is attached or it has not read the last ones.
+  // Gives the command its sequence and stores it. Returns the sequence, or 0 when no core is attached or it has not read the last ones: a STOP finds
+  // a slot when nothing else does.
   std::uint64_t send(contract::Command& command) noexcept;
   void drive(const contract::DriveCommand& command) noexcept;
   // Its sequence, 0 when there is none yet.

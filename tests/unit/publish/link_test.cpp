@@ -119,8 +119,11 @@ TEST(Link, AFullCommandRingIsRefusedUntilTheCoreReads) {
   ServerLink server(path);
   ASSERT_TRUE(attach(server));
   contract::Command command;
+  command.kind = contract::CommandKind::stage_parameter;
+  for (std::size_t i = 0; i < contract::kCommandSlots - ServerLink::kSlotsForStop; ++i) ASSERT_NE(server.send(command), 0U);
+  EXPECT_EQ(server.send(command), 0U);
   command.kind = contract::CommandKind::stop;
-  for (std::size_t i = 0; i < contract::kCommandSlots; ++i) ASSERT_NE(server.send(command), 0U);
+  for (std::size_t i = 0; i < ServerLink::kSlotsForStop; ++i) ASSERT_NE(server.send(command), 0U) << "a STOP finds a slot";
   EXPECT_EQ(server.send(command), 0U);
   std::array<contract::Command, contract::kCommandSlots> commands;
   std::uint64_t lost = 0;
