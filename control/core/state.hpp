@@ -6,7 +6,7 @@
 #include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/core/base/derived.hpp"
-#include "control/core/base/event_queue.hpp"
+#include "control/core/base/event_sink.hpp"
 #include "control/core/base/lasting.hpp"
 #include "control/core/calibrate/calibration.hpp"
 #include "control/core/command/acknowledgement.hpp"
@@ -132,7 +132,7 @@ struct CoreState {
   RunawayWatch runaway;
   double left_command_m_s = 0, right_command_m_s = 0;  // as sent
 
-  EventQueue events;
+  EventSink events;
   bool params_changed = false;
   std::uint32_t bus_frames = 0, bus_refused = 0, commands_refused = 0, overruns = 0, missed_ticks = 0;
 };

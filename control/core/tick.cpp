@@ -126,17 +126,9 @@ void watch_runaway(CoreState& state, double dt_s) noexcept {
   raise_fault(state, Fault::control_fault);
 }
 
-void take_commands(CoreState& state, const TickInputs& inputs) noexcept {
+void take_requests(CoreState& state, const TickInputs& inputs) noexcept {
   watch_server(state, inputs.server_heartbeat, inputs.server_life);
-  for (std::size_t i = 0; i < inputs.commands.size(); ++i) {
-    // Copied once, because another program can write there: the checked values are the used ones.
-    const contract::Command command = inputs.commands[i];
-    if (i < kCommandsPerTick) {
-      take_command(state, command);
-    } else {
-      take_surplus_command(state, command);
-    }
-  }
+  take_commands(state, inputs.commands);
   if (inputs.drive_fresh) take_drive_command(state, inputs.drive);
   serve_release(state);
 }
@@ -272,6 +264,7 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
 void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
   out.frames.clear();
   out.events.clear();
+  state.events.begin(out.events);
   // Also the few bytes behind the last value: equal steps are equal byte for byte, in memory and in a replay.
   std::memset(static_cast<void*>(&out.record), 0, sizeof out.record);
   const std::uint64_t missed = state.started && inputs.tick > state.tick + 1 ? inputs.tick - state.tick - 1 : 0;
@@ -302,11 +295,11 @@ void tick(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& 
     state.intent.restart();
   watch(state, inputs, dt_s);
   watch_runaway(state, dt_s);
-  take_commands(state, inputs);
+  take_requests(state, inputs);
   const Wish wish = decide(state, dt_s);
   send_frames(state, inputs, dt_s, out);
   fill_record(state, inputs, wish, out.record);
-  state.events.drain(out.events);
+  state.events.end();
   out.params_changed = state.params_changed;
   state.params_changed = false;
   out.stops_changed = state.stops_changed;

@@ -9,6 +9,7 @@
 
 #include "control/contract/can_frame.hpp"
 #include "control/contract/commands.hpp"
+#include "control/contract/faults.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 
@@ -85,7 +86,17 @@ struct TickInputs {
   LoopHealth loop;
 };
 
-inline constexpr std::size_t kFramesPerTickMax = 48, kEventsPerTickMax = 64;
+inline constexpr std::size_t kFramesPerTickMax = 48;
+
+/// The ring between the programs holds 64; the loop may add a STOP. What a caller gives beyond them is refused unread, except what only stops.
+inline constexpr std::size_t kCommandsPerTick = 65;
+/// The most events of one command: a whole set, or a trial that is reverted, has one for each row, and its end; then the answer.
+inline constexpr std::size_t kEventsOfCommandMost = contract::kParamCount + 5;
+/// What a step may tell by itself: a trial that runs out, gains that arrive, each fault raised and cleared, emergencies of six nodes.
+inline constexpr std::size_t kOwnEventsMost = 2 * contract::kParamCount + 2 * contract::kFaults.size() + 6 * 15 + 20;
+/// Room that commands leave for the stops among them, and for what the rest of the step tells.
+inline constexpr std::size_t kEventsAfterCommands = 64;
+inline constexpr std::size_t kEventsPerTickMax = kOwnEventsMost + kCommandsPerTick + kEventsOfCommandMost + kEventsAfterCommands;
 
 /// Everything a step asks for. `frames` are to be sent in their order: drive commands first, SYNC last.
 struct TickOutputs {

@@ -42,20 +42,19 @@ void ControlLoop::step(const Step& step) noexcept {
   inputs.bus_up = port_.up();
 
   std::size_t commands = 0;
+  std::uint64_t lost = 0;
   if (link_.begin()) {
-    std::uint64_t lost = 0;
-    commands = link_.read_commands(commands_, lost);
+    commands = link_.read_commands({commands_.data(), contract::kCommandSlots}, lost);
     inputs.drive_fresh = link_.read_drive(inputs.drive);
     inputs.server_heartbeat = link_.heartbeat();
     inputs.server_life = link_.server_life();
     link_.end();
   }
-  if (step.stop) {
-    // The program is ending: the ordinary STOP, before any other command.
-    commands_[0] = contract::Command{};
-    commands_[0].kind = contract::CommandKind::stop;
-    commands_[0].sequence = 0;
-    commands = 1;
+  // The program is ending; or a server wrote over commands that were not read, which no sound one does: a STOP may have been among them.
+  // Last, so that nothing in this step comes after it.
+  if (step.stop || lost > 0) {
+    commands_[commands] = contract::Command{};
+    commands_[commands++].kind = contract::CommandKind::stop;
   }
   inputs.commands = {commands_.data(), commands};
 

@@ -57,8 +57,7 @@ class ControlLoop {
   core::LoopHealth loop_;
   std::atomic<std::uint32_t> page_faults_{0};
   std::array<contract::CanFrame, kFramesPerStep> frames_{};
-  std::array<contract::Command, contract::kCommandSlots> commands_{};
-  std::uint32_t commands_lost_ = 0;
+  std::array<contract::Command, core::kCommandsPerTick> commands_{};
 };
 
 }  // namespace hoist::run

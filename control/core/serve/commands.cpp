@@ -1,5 +1,6 @@
 #include "control/core/serve/commands.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -431,28 +432,50 @@ void answer(CoreState& state, const Command& command, const Verdict& verdict) no
   emit(state, event);
 }
 
-}  // namespace
-
-void take_command(CoreState& state, const Command& command) noexcept {
-  const bool in_order = state.next_sequence == 0 || command.sequence == state.next_sequence;
-  // After a gap (the ring was overwritten) the order continues from the newest number. An old number never moves the
-  // count back, so no command can be replayed.
-  if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
-  // STOP and a request for standby are taken in any order: they can only stop. After a lost server the first command
-  // sets the count to any value; a wrong number there must not let the patient walk on.
-  const bool only_stops = command.kind == CommandKind::stop ||
-                          (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
-  if (!in_order && !only_stops) {
-    answer(state, command, refused(Refusal::out_of_order));
-    return;
-  }
-  answer(state, command, execute(state, command));
+// Taken in any order: they can only end a motion. After a lost server the first command sets the count to any value; a wrong number there must not
+// let the patient walk on.
+bool only_stops(const Command& command) noexcept {
+  return command.kind == CommandKind::stop ||
+         (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
 }
 
-void take_surplus_command(CoreState& state, const Command& command) noexcept {
-  if (command.kind == CommandKind::stop) raise_fault(state, Fault::stop_pressed);
-  if (command.sequence >= state.next_sequence) state.next_sequence = command.sequence + 1;
-  ++state.commands_refused;
+// A driver who leaves ends a led motion, too; but an old release would take the lease from its next holder, so it keeps its order.
+bool may_be_busy(const Command& command) noexcept { return !only_stops(command) && command.kind != CommandKind::release_lease; }
+
+// True when the command comes in its order. After a gap (the ring was overwritten) the order continues from the newest number. An old number never
+// moves the count back, so no command can be replayed.
+bool count_sequence(CoreState& state, const Command& command) noexcept {
+  const bool in_order = state.next_sequence == 0 || command.sequence == state.next_sequence;
+  if (in_order || command.sequence > state.next_sequence) state.next_sequence = command.sequence + 1;
+  return in_order;
+}
+
+// `left`: how many commands come after it in this step, each of which has an answer.
+void take_command(CoreState& state, const Command& command, std::size_t left) noexcept {
+  const bool in_order = count_sequence(state, command);
+  if (!in_order && !only_stops(command)) {
+    answer(state, command, refused(Refusal::out_of_order));
+  } else if (may_be_busy(command) && state.events.room() < kEventsOfCommandMost + left + kEventsAfterCommands) {
+    answer(state, command, refused(Refusal::busy));
+  } else {
+    answer(state, command, execute(state, command));
+  }
+}
+
+}  // namespace
+
+void take_commands(CoreState& state, std::span<const Command> commands) noexcept {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    // Copied once, because another program can write there: the checked values are the used ones.
+    const Command command = commands[i];
+    if (i < kCommandsPerTick) {
+      take_command(state, command, std::min(commands.size(), kCommandsPerTick) - i - 1);
+      continue;
+    }
+    static_cast<void>(count_sequence(state, command));
+    if (only_stops(command)) static_cast<void>(execute(state, command));
+    ++state.commands_refused;
+  }
 }
 
 void take_drive_command(CoreState& state, const contract::DriveCommand& command) noexcept {

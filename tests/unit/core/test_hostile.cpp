@@ -1,10 +1,16 @@
 // Random commands and frames (hazards H28, H30): no motion, no crash, no non-finite output.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <map>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "control/core/modes/mode_list.hpp"
+#include "control/core/serve/commands.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {
@@ -111,6 +117,106 @@ TEST(Hostile, StopWorksEvenOutOfOrderAndInAFlood) {
   }
   hoist.step();
   EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+}
+
+// A server without sense for 200 s: as many commands in each step as the ring and the loop can bring, most of them valid. Each has one answer, each
+// row of a set that is in force one event, and after a STOP the hoist does not move.
+TEST(Hostile, NoAnswerIsLostWhateverIsSentForHowLong) {
+  constexpr std::array kKinds{CommandKind::stage_parameter,
+                              CommandKind::stage_parameter,
+                              CommandKind::stage_parameter,
+                              CommandKind::commit_parameters,
+                              CommandKind::revert_parameters,
+                              CommandKind::confirm_parameters,
+                              CommandKind::set_neutral,
+                              CommandKind::take_lease,
+                              CommandKind::release_lease,
+                              CommandKind::request_mode,
+                              CommandKind::acknowledge,
+                              CommandKind::set_pose,
+                              CommandKind::pause_alarm,
+                              CommandKind::begin_calibration,
+                              CommandKind::cancel_calibration,
+                              CommandKind::begin_guided,
+                              CommandKind::none};
+  std::mt19937_64 random(17);
+  const auto below = [&](std::uint64_t n) { return static_cast<std::uint32_t>(random() % n); };
+  for (int run = 0; run < 20; ++run) {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(run % 2 == 0 ? Mode::user : Mode::remote));
+    std::map<std::uint32_t, std::uint32_t> rows, changed;  // by request: of its set
+    std::map<std::uint32_t, int> answers;
+    std::uint32_t staged = 0;
+    int most = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const bool quiet = below(3) == 0;  // lets the hoist come to standby, and trials run out
+      const CommandKind often = kKinds[below(kKinds.size())];
+      bool stop = false;
+      for (std::uint32_t k = 0, n = quiet ? below(3) : below(kCommandsPerTick + 1); k < n; ++k) {
+        const CommandKind kind = below(900) == 0 ? CommandKind::stop : below(10) < 9 ? often : kKinds[below(kKinds.size())];
+        stop |= kind == CommandKind::stop;
+        const bool stages = kind == CommandKind::stage_parameter, commits = kind == CommandKind::commit_parameters;
+        if (stages && staged == contract::kParamCount) continue;
+        const contract::ParamInfo& info = contract::kParams[stages ? staged : 0];
+        const std::uint32_t a = stages    ? info.id
+                                : commits ? staged
+                                          : below(kind == CommandKind::request_mode ? contract::kModes.size() : 2);
+        const std::uint32_t id = hoist.send(kind, 7, a, stages ? staged++ : 2, stages ? info.default_value : commits ? 2.0 * below(2) : 0);
+        answers[id] = 0;
+        if (commits) rows[id] = std::exchange(staged, 0);
+      }
+      const std::size_t before = hoist.events.size();
+      hoist.step();
+      most = std::max(most, static_cast<int>(hoist.events.size() - before));
+      ASSERT_FALSE(stop && is_moving(hoist.state.mode)) << "step " << i << " of run " << run;
+    }
+    hoist.step(100);
+    for (const contract::Event& e : hoist.events) {
+      if (e.kind == EventKind::command_done || e.kind == EventKind::command_refused) ++answers[e.request_id];
+      if (e.kind == EventKind::parameter_changed && rows.count(e.request_id) != 0) ++changed[e.request_id];
+    }
+    ASSERT_EQ(hoist.state.events.dropped(), 0U);
+    for (const auto& [id, count] : answers) ASSERT_TRUE(id == 0 || count == 1) << "request " << id << " of run " << run << ": " << count;
+    for (const auto& [id, n] : rows) ASSERT_TRUE(hoist.answer(id) != 0 || changed[id] == n) << changed[id] << " of " << n;
+    EXPECT_GT(most, 100);
+  }
+}
+
+// The step's own events have taken any part of their share: what else is asked is refused as busy where its answers might not fit; a STOP acts.
+TEST(Hostile, AFullStepRefusesAsBusyAndStillStops) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  constexpr auto kMost = static_cast<std::uint32_t>(kCommandsPerTick);
+  int busy = 0, done = 0;
+  for (std::size_t told = 0; told <= kOwnEventsMost; ++told) {
+    CoreState state = hoist.state;
+    EventSink::List events;
+    events.clear();
+    for (std::size_t i = 0; i < told; ++i) static_cast<void>(events.push_back({}));
+    state.events.begin(events);
+    std::vector<contract::Command> commands(kMost);
+    for (std::uint32_t i = 0; i < kMost; ++i) {
+      contract::Command& c = commands[i];
+      c.sequence = state.next_sequence + i;
+      c.kind = i + 1 == kMost ? CommandKind::stop : CommandKind::set_pose;
+      c.request_id = 1000 + i;
+      c.client = 7;
+    }
+    take_commands(state, commands);
+    EXPECT_EQ(state.events.dropped(), 0U);
+    EXPECT_EQ(state.mode, Mode::protective_stop);
+    EXPECT_GE(state.events.room(), kEventsAfterCommands - 3) << "for the rest of the step";
+    std::uint32_t next = 1000;
+    for (const contract::Event& e : events) {
+      if (e.kind != EventKind::command_done && e.kind != EventKind::command_refused) continue;
+      ASSERT_EQ(e.request_id, next++);
+      busy += e.bits == refusal_bit(Refusal::busy) ? 1 : 0;
+      done += e.kind == EventKind::command_done ? 1 : 0;
+    }
+    ASSERT_EQ(next, 1000 + kMost);
+  }
+  EXPECT_GT(busy, 100);
+  EXPECT_GT(done, 100);
 }
 
 // After the server was lost the first command sets the count. An old one that arrives then must not prevent the end of the motion.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "control/contract/can_dictionary.hpp"
+#include "control/publish/ring.hpp"
 #include "control/publish/server_link.hpp"
 #include "control/run/heap_watch.hpp"
 
@@ -72,6 +73,25 @@ TEST(ControlLoop, NeverAllocatesInTenThousandSteps) {
   }
   EXPECT_EQ(heap_requests() - before, 0U);
   EXPECT_EQ(port.syncs, 10'000U) << "one SYNC each step, whatever happens";
+}
+
+// A full ring is read whole. A server that writes over what was not read may have written over a STOP.
+TEST(ControlLoop, CommandsThatWereOverwrittenStopTheHoist) {
+  for (const std::size_t written : {contract::kCommandSlots, contract::kCommandSlots + 1}) {
+    std::string error;
+    auto link = publish::CoreLink::create("", 1, 1, error);
+    const publish::OwnedSegment memory = publish::create_segment("commands", sizeof(contract::CommandSegment), error);
+    auto& segment = *memory.mapping->as<contract::CommandSegment>();
+    publish::write_header(segment.header, contract::kCommandMagic, sizeof segment, 1, 0);
+    ASSERT_TRUE(link->attach(memory.descriptor.get(), error)) << error;
+    NoisyPort port;
+    auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
+    for (std::size_t i = 0; i < written; ++i) publish::ring_write(segment.commands, contract::Command{.sequence = i + 1});
+    loop->step({.tick = 0, .time_ns = 1'000'000'000});
+    const bool stopped = (loop->record().fault_bits & contract::fault_bit(contract::Fault::stop_pressed)) != 0;
+    EXPECT_EQ(stopped, written > contract::kCommandSlots);
+    EXPECT_GE(loop->record().commands_refused, contract::kCommandSlots);
+  }
 }
 
 TEST(ControlLoop, PublishesEveryStepAndEveryFrame) {

@@ -70,7 +70,8 @@ export type RefusalName =
   | 'not_calibrated'
   | 'cause_not_seen'
   | 'harness_unconfirmed'
-  | 'parts_unchecked';
+  | 'parts_unchecked'
+  | 'busy';
 
 export type ModeName =
   | 'init'
@@ -415,6 +416,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 27, name: 'cause_not_seen', text: { en: 'There is a new cause of the stop: see the alarm, then release again.', de: 'Es gibt einen neuen Grund für den Halt: Alarm ansehen, dann neu freigeben.' } },
   { bit: 28, name: 'harness_unconfirmed', text: { en: 'Confirm first that nobody is strapped in.', de: 'Zuerst bestätigen, dass niemand im Gurt ist.' } },
   { bit: 29, name: 'parts_unchecked', text: { en: 'Sensors or drives are new: check wheels, bumpers and struts under Calibrate first.', de: 'Sensoren oder Antriebe sind neu: zuerst unter Kalibrieren Räder, Stoßfänger und Streben prüfen.' } },
+  { bit: 30, name: 'busy', text: { en: 'Too many requests at once: try again.', de: 'Zu viele Anfragen auf einmal: noch einmal versuchen.' } },
 ];
 
 /** Why the hoist goes more slowly than it is asked to, by the value of speed_cause. */

@@ -145,6 +145,7 @@ const passing: readonly string[] = [
   'release_first',
   'cause_not_cleared',
   'cause_not_seen',
+  'busy',
 ];
 export function stillStands(reason: string, s: Known, age_ms: number): boolean {
   if (reason === 'link_lost') return s.link !== 'open';
