@@ -27,8 +27,6 @@ constexpr double kStep_s = 0.01;
 constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 constexpr double kStill_m_s = 0.02;  // a wheel is at rest when this slow for this long
 constexpr int kRestedTicks = 5;
-// A step tells of this many events at most; while it does, others wait for the next step.
-constexpr std::size_t kToldMost = 64;
 constexpr double kEps = 1e-6;
 // From the end of the ramp to rest: I1.
 constexpr double kRollOut_s = 0.05;
@@ -97,8 +95,7 @@ void Watch::core_restarted(const contract::Params& params, std::uint64_t version
   raised_ = 0;
   events_seen_ = events;
   params_ = params;
-  parameter_version_ = newest_version_ = version;
-  unjudged_ = {.from = events};
+  parameter_version_ = version;
   next_sequence_ = drive_sequence_ = drive_epoch_ = lease_epoch_ = lease_holder_ = 0;
   staged_.clear();
   ears_.restart();
@@ -253,7 +250,6 @@ void Watch::watch_record(const Told& told) {
   if (const char* name = not_finite(record)) broken("I13: the record holds no number in ", 0.0, name);
   watch_limits(record);
   if (contract::led_by_hand(mode)) watch_driver(record);
-  all_told_ = told.events.size() < events_seen_ + kToldMost;
   watch_parameters(told);
   if (moves(mode)) {
     moving_end_s_ = now_s;
@@ -325,15 +321,11 @@ void Watch::watch_driver(const TickRecord& record) {
 
 // I10: parameters in force change only by a complete committed set, with one number per set, and only to allowed values.
 void Watch::watch_parameters(const Told& told) {
-  unjudged_.commands.insert(unjudged_.commands.end(), commands_.begin(), commands_.end());
-  unjudged_.moving |= told.parameter_version != newest_version_ && moves(static_cast<Mode>(told.record.mode)) && moves(mode_);
-  newest_version_ = told.parameter_version;
-  if (!all_told_) return;
-  const Unjudged now_judged = std::exchange(unjudged_, {.from = told.events.size()});
-  const auto events = told.events.subspan(now_judged.from);
-  std::vector<contract::Command> given;  // rows of every set that was committed, in their order
+  const Mode mode = static_cast<Mode>(told.record.mode);
+  const auto events = told.events.subspan(events_seen_);
+  std::vector<contract::Command> given;  // rows of every set that was committed in this step, in their order
   std::size_t rows = 0;
-  for (const contract::Command& c : now_judged.commands) {
+  for (const contract::Command& c : commands_) {
     // Refused rows are not part of a set: old numbers, rows of other clients, invalid values.
     const bool taken = std::any_of(events.begin(), events.end(), [&c](const contract::Event& e) {
       return e.kind == EventKind::command_done && e.request_id == c.request_id && e.client == c.client;
@@ -374,7 +366,7 @@ void Watch::watch_parameters(const Told& told) {
       if (now == before) continue;
       if (last == given.rend() || last->v0 != now)
         broken("I10: a value is in force that no command gave: ", now, contract::kParams[i].name);
-      if (now_judged.moving && contract::kParams[i].edit != contract::EditRule::live)
+      if (moves(mode) && moves(mode_) && contract::kParams[i].edit != contract::EditRule::live)
         broken("I10: changed while moving: ", now, contract::kParams[i].name);
     }
     if (contract::check_param_set(told.params) != nullptr) broken("I10: the values in force contradict each other");
@@ -405,7 +397,7 @@ void Watch::watch_events(const Told& told) {
     }
   }
   // Every fault in force has an event, and every such event a fault.
-  if (all_told_ && raised_ != told.record.fault_bits)
+  if (raised_ != told.record.fault_bits)
     broken("I11: faults in force and faults told of differ", static_cast<double>(raised_ ^ told.record.fault_bits));
 }
 

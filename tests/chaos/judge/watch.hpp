@@ -69,16 +69,8 @@ class Watch {
   std::vector<std::string> told_;
   std::vector<MustStop> must_stop_;
   std::vector<contract::Command> commands_;  // of this step
-  bool all_told_{};                          // no event of this step waits for the next one
-  struct Unjudged {
-    std::vector<contract::Command> commands = {};
-    std::size_t from = 0;  // of their events
-    bool moving = false;   // when a set came into force
-  };
-  Unjudged unjudged_;        // steps whose events are not all told
-  contract::Params params_;  // in force when all was told last
+  contract::Params params_;                  // in force after the step before
   std::uint64_t parameter_version_{};
-  std::uint64_t newest_version_{};
   int rested_ticks_ = 0;                   // of a protective stop at rest
   std::vector<contract::Command> staged_;  // rows of the set that is being gathered, by any client
   double asked_stop_s_{-100.0}, acknowledged_s_{-100.0}, driven_s_{-100.0};
