@@ -34,26 +34,52 @@ const skipReason = (body) => skipMessage(body).split('\n').slice(1).join(' ').tr
 // Any other program says why in a line of its output: "skipped: reason".
 const printedReason = (body) => /^skipped: (.+)$/m.exec(unescape(/<system-out>([\s\S]*?)<\/system-out>/.exec(body)?.[1] ?? ''))?.[1];
 
-function countGoogleTest(file, prefix) {
-  let failed = 0;
-  for (const [tag, body] of testcases(readFileSync(file, 'utf8'))) {
-    const name = `${prefix}${attribute(tag, 'classname')}.${attribute(tag, 'name')}`;
-    if (attribute(tag, 'status') === 'notrun') cases.push({ status: 'skipped', name, reason: 'disabled in its source' });
-    else if (attribute(tag, 'result') === 'skipped' || body.includes('<skipped')) {
-      // A skip without a reason is a failure.
-      const reason = skipReason(body);
-      if (reason === '') { failed++; cases.push({ status: 'failed', name, reason: 'skipped without a reason' }); }
-      else cases.push({ status: 'skipped', name, reason });
-    } else if (body.includes('<failure')) { failed++; cases.push({ status: 'failed', name, reason: '' }); }
-    else cases.push({ status: 'passed', name, reason: '' });
+function readCase(tag, body, name) {
+  if (attribute(tag, 'status') === 'notrun') return { status: 'skipped', name, reason: 'disabled in its source' };
+  if (attribute(tag, 'result') === 'skipped' || body.includes('<skipped')) {
+    // A skip without a reason is a failure.
+    const reason = skipReason(body);
+    return reason === '' ? { status: 'failed', name, reason: 'skipped without a reason' } : { status: 'skipped', name, reason };
   }
-  return failed;
+  return { status: body.includes('<failure') ? 'failed' : 'passed', name, reason: '' };
+}
+
+// GoogleTest never overwrites a report: of a program that another test runs or lists, a second one (NAME_1.xml) lies beside it. Each case counts
+// once, by the worst that any report says of it. Gives the failed ones, nothing when none ran.
+const worst = ['passed', 'skipped', 'failed'];
+function countGoogleTest(files, prefix) {
+  const found = [];
+  for (const file of files) {
+    const seen = new Map(); // a repeated name is another case of the same report
+    for (const [tag, body] of testcases(readFileSync(file, 'utf8'))) {
+      // A list of cases (--gtest_list_tests) is no run.
+      if (attribute(tag, 'line') !== undefined && attribute(tag, 'status') === undefined) continue;
+      const name = `${prefix}${attribute(tag, 'classname')}.${attribute(tag, 'name')}`;
+      const nth = seen.get(name) ?? 0;
+      seen.set(name, nth + 1);
+      const one = readCase(tag, body, name);
+      const before = found.find((other) => other.one.name === name && other.nth === nth);
+      if (before === undefined) found.push({ one, nth });
+      else if (worst.indexOf(one.status) > worst.indexOf(before.one.status)) before.one = one;
+    }
+  }
+  cases.push(...found.map(({ one }) => one));
+  return found.length === 0 ? undefined : found.filter(({ one }) => one.status === 'failed').length;
 }
 
 function countCtest(folder, prefix) {
-  const reports = new Map(readdirSync(join(folder, 'gtest')).map((file) => [basename(file, '.xml'), join(folder, 'gtest', file)]));
+  const names = readdirSync(join(folder, 'gtest')).map((file) => basename(file, '.xml'));
+  const programs = new Map();
+  for (const name of names) {
+    const first = name.replace(/_\d+$/, '');
+    const program = names.includes(first) ? first : name;
+    programs.set(program, [...(programs.get(program) ?? []), join(folder, 'gtest', `${name}.xml`)]);
+  }
   const failures = new Map();
-  for (const [program, file] of reports) failures.set(program, countGoogleTest(file, `${prefix}${program}: `));
+  for (const [program, files] of programs) {
+    const failed = countGoogleTest(files, `${prefix}${program}: `);
+    if (failed !== undefined) failures.set(program, failed);
+  }
   const junit = join(folder, 'ctest.xml');
   if (!existsSync(junit)) return;
   for (const [tag, body] of testcases(readFileSync(junit, 'utf8'))) {

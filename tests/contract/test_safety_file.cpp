@@ -66,7 +66,9 @@ std::vector<std::string> unknown_tests(std::span<const SafetyTest> rows) {
   std::vector<std::string> unknown;
   for (const SafetyTest& row : rows) {
     const std::string program{row.program};
-    if (!programs.contains(program)) programs[program] = listed(output_of(HOIST_BINARY_DIR "/bin/" + program + " --gtest_list_tests"));
+    // A list that is written as a report of a run would be counted as one.
+    if (!programs.contains(program))
+      programs[program] = listed(output_of("env -u GTEST_OUTPUT " HOIST_BINARY_DIR "/bin/" + program + " --gtest_list_tests"));
     if (!programs[program].contains(std::string{row.test})) unknown.push_back(program + " " + std::string{row.test});
   }
   return unknown;

@@ -48,6 +48,33 @@ TEST_F(Tally, PassedCasesAreCountedNotPrograms) {
   EXPECT_EQ(outcome.exit_code, 0);
 }
 
+// GoogleTest never overwrites a report: a program that another test runs or lists leaves NAME_1.xml beside NAME.xml.
+TEST_F(Tally, ACaseIsCountedOnceHoweverManyReportsTellIt) {
+  const auto row = [](const std::string& name, const std::string& rest) {
+    return "<testcase name=\"" + name + "\" " + rest + " classname=\"S\" ";
+  };
+  const std::string listed = "file=\"f.cpp\" line=\"3\"", ran = "status=\"run\" result=\"completed\"";
+  write_ctest(R"(<testcase name="test_x" status="run"></testcase>)");
+  write_program("test_x", row("a", listed) + "/>" + row("b", listed) + "/>");
+  write_program("test_x_1", row("a", ran) + "/>" + row("b", ran) + "/>");
+  write_program("test_x_2", row("a", ran) + "/>");
+  EXPECT_EQ(count().last_line(), "2 passed, 0 failed, 0 skipped");
+  EXPECT_EQ(count().exit_code, 0);
+  // A failure in any of them counts, once, and a program that was only listed has not run.
+  write_ctest(R"(<testcase name="test_x" status="fail"><failure message=""/></testcase>)");
+  write_program("test_x_1", row("a", ran) + "/>" + row("b", ran) + "><failure message=\"no\"/></testcase>");
+  write_program("test_x_3", row("b", ran) + "/>");
+  EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped");
+  EXPECT_EQ(count().exit_code, 1);
+  write_ctest(R"(<testcase name="test_y" status="fail"><failure message=""/></testcase>)");
+  for (const char* name : {"gtest/test_x.xml", "gtest/test_x_1.xml", "gtest/test_x_2.xml", "gtest/test_x_3.xml"})
+    std::filesystem::remove(folder_ / name);
+  write_program("test_y", row("a", listed) + "/>");
+  const auto not_run = count();
+  EXPECT_EQ(not_run.last_line(), "0 passed, 1 failed, 0 skipped");
+  EXPECT_NE(not_run.output.find("test_y: ended without a report"), std::string::npos);
+}
+
 TEST_F(Tally, NothingRunIsAFailure) {
   const auto outcome = count();
   EXPECT_EQ(outcome.last_line(), "0 passed, 0 failed, 0 skipped");
