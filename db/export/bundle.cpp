@@ -203,8 +203,7 @@ Result<Bundle> Bundle::open(Database& database, std::vector<SessionId> sessions,
   return guarded([&]() -> Result<Bundle> {
     if (sessions.empty()) return Error{ErrorKind::bad_value, "no session fits", "sessions"};
     if (layout == BundleLayout::reports && sessions.size() > kMaxReports)
-      return Error{ErrorKind::bad_value, "more than " + std::to_string(kMaxReports) + " sessions fit; choose fewer for reports",
-                   "sessions"};
+      return Error{ErrorKind::bad_value, "more than " + std::to_string(kMaxReports) + " sessions fit; choose fewer for reports", "reports"};
     for (const SessionId session : sessions)
       if (const auto info = SessionReader(database).get(session); !info) return info.error();
     auto state = std::make_unique<State>();

@@ -18,7 +18,7 @@ namespace hoist::db {
 
 class Bundle {
  public:
-  /// `reports`: of the layout of that name. Errors: bad_value (no session, more reports than kMaxReports), not_found.
+  /// `reports`: of the layout of that name. Errors: bad_value (field `sessions`: none; `reports`: more than kMaxReports), not_found.
   static Result<Bundle> open(Database& database, std::vector<SessionId> sessions, BundleLayout layout, const ReportOptions& reports = {});
   Bundle(Bundle&&) noexcept;
   Bundle& operator=(Bundle&&) noexcept;

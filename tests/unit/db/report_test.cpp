@@ -325,7 +325,8 @@ TEST(Report, ABundleTellsWhyASessionHasNone) {
   EXPECT_NE(all.find("session-" + std::to_string(r.sessions[1]) + ".txt"), std::string::npos);
   EXPECT_EQ(all.find("group.html"), std::string::npos) << "one page needs no table of all";
   const std::vector<SessionId> many(kMaxReports + 1, r.sessions[0]);
-  EXPECT_EQ(Bundle::open(r.database, many, BundleLayout::reports).error().kind, ErrorKind::bad_value);
+  EXPECT_EQ(Bundle::open(r.database, many, BundleLayout::reports).error().field, "reports");
+  EXPECT_EQ(Bundle::open(r.database, {}, BundleLayout::files).error().field, "sessions");
   EXPECT_TRUE(Bundle::open(r.database, many, BundleLayout::files).ok());
 }
 
