@@ -8,6 +8,7 @@
 
 #include "control/contract/commands.hpp"
 #include "control/contract/faults.hpp"
+#include "db/report/definitions.hpp"
 #include "db/report/page.hpp"
 #include "db/report/pictures.hpp"
 #include "db/store/alarms.hpp"
@@ -207,10 +208,11 @@ void add_figures(Page& page, const std::string& heading, const SessionMetrics& m
     const MetricInfo& figure = kMetrics[i];
     if (!wanted(figure, metrics.figures[i].value.has_value())) continue;
     any = true;
-    const std::string definition = std::string(figure.key) + " v" + std::to_string(figure.version) + ": " + std::string(figure.formula) +
-                                   ". " + std::string(figure.source);
-    table.row(std::array{Cell{page.title_of(figure)}, page.cell(figure, metrics.figures[i]), Cell{definition, Cell::Style::english},
-                         figure.gate.empty() ? small(page.w(Word::every_session)) : Cell{std::string(figure.gate), Cell::Style::english}});
+    const report::Definition told = report::definition(figure, page.language() == Language::de);
+    const std::string text =
+        std::string(told.key) + " v" + std::to_string(told.version) + ": " + std::string(told.formula) + ". " + std::string(told.source);
+    table.row(std::array{Cell{page.title_of(figure)}, page.cell(figure, metrics.figures[i]), small(text),
+                         small(told.gate.empty() ? page.w(Word::every_session) : std::string(told.gate))});
   }
   if (!any) return;
   page.heading(heading);

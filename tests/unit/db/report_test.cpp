@@ -13,6 +13,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "db/export/bundle.hpp"
+#include "db/report/definitions.hpp"
 #include "db/report/pictures.hpp"
 #include "db/store/tasks.hpp"
 #include "db/summary/session_json.hpp"
@@ -197,6 +198,20 @@ TEST(Report, BothLanguagesAreWhole) {
   for (const MetricInfo& figure : kMetrics) {
     EXPECT_NE(en.find("<td>" + std::string(figure.title_en) + "</td>"), std::string::npos) << figure.key;
     EXPECT_NE(de.find("<td>" + std::string(figure.title_de) + "</td>"), std::string::npos) << figure.key;
+  }
+  for (const MetricInfo& figure : kMetrics) {
+    const report::Definition german = report::definition(figure, true);
+    // Formulas without words, such as "120 / T", are the same in both.
+    for (const auto& [english, translated] : {std::pair(figure.formula, german.formula), std::pair(figure.gate, german.gate)}) {
+      EXPECT_NE(unescaped(en).find(english), std::string::npos) << figure.key;
+      EXPECT_NE(unescaped(de).find(translated), std::string::npos) << figure.key;
+      if (english == translated) continue;
+      EXPECT_EQ(unescaped(de).find(english), std::string::npos) << figure.key << ": " << english;
+      EXPECT_EQ(unescaped(en).find(translated), std::string::npos) << figure.key << ": " << translated;
+    }
+    // What English definitions are made of.
+    const std::string all = std::string(german.formula) + " " + std::string(german.gate) + " " + std::string(german.source);
+    EXPECT_FALSE(std::regex_search(all, std::regex("\\b(the|of|from|mean|sum|sqrt|samples|missing|equation|decision|Table)\\b"))) << all;
   }
   for (const contract::ParamInfo& param : contract::kParams)
     EXPECT_NE(unescaped(de).find("<td>" + std::string(param.title_de) + "</td>"), std::string::npos) << param.name;
