@@ -32,7 +32,7 @@ using study::Results;
 
 constexpr const char* kHelp =
     "usage: hoist study --subjects N [--seed S] [--protocol FILE] [--out DB] [--figures FOLDER] [--json FILE]\n"
-    "       hoist study --recorded DB [--tag WORD | --study N] [--protocol FILE] [--figures FOLDER] [--json FILE]\n"
+    "       hoist study --recorded DB [--tag WORD | --study N | --sessions N,N,…] [--protocol FILE] [--figures FOLDER] [--json FILE]\n"
     "       hoist study --archive TARGET [--from DAY] [--to DAY] [--tag WORD] [--protocol FILE] [--figures FOLDER] [--json FILE]\n\n"
     "Tables II and III of the paper, the paper's own beside them, and paired tests. The first form walks virtual subjects through the "
     "core, the\n"
@@ -40,7 +40,8 @@ constexpr const char* kHelp =
     "and\n"
     "evaluates the recordings; --out keeps them in a new database. The second evaluates recorded sessions: those with a patient's code "
     "whose note\n"
-    "begins with \"run N\"; --tag takes only those whose note holds this word, --study the runs of a study of virtual subjects that the "
+    "begins with \"run N\"; --tag takes only those whose note holds this word, --sessions only\n"
+    "these, --study the runs of a study of virtual subjects that the "
     "server has\n"
     "made, or --out. The third evaluates sessions of several hoists in one archive (hoist archive --help): those of these days in UTC, "
     "from a "
@@ -186,6 +187,7 @@ bool read_number(std::string_view text, Number& out, Number least, Number most) 
   return error == std::errc() && end == text.data() + text.size() && out >= least && out <= most;
 }
 
+constexpr db::SessionId kMostSession = 9'007'199'254'740'991;
 constexpr std::int64_t kMostBegin_ms = 4'000'000'000'000;
 
 // One option and its value. The sentence that says what is wrong, or nothing.
@@ -201,6 +203,16 @@ std::string read_option(std::string_view name, std::string_view value, Request& 
   } else if (name == "--progress") {
     if (value != "0" && value != "1") return "--progress: 0 or 1";
     if (value == "1") out.walk.progress = &print_progress;
+  } else if (name == "--sessions") {
+    for (std::size_t at = 0; at <= value.size();) {
+      const std::size_t end = std::min(value.find(',', at), value.size());
+      db::SessionId session = 0;
+      if (!read_number<db::SessionId>(value.substr(at, end - at), session, 1, kMostSession))
+        return "--sessions: numbers with commas between";
+      out.selection.only.push_back(session);
+      at = end + 1;
+    }
+    std::ranges::sort(out.selection.only);
   } else if (name == "--study") {
     std::int64_t study = 0;
     if (!read_number<std::int64_t>(value, study, 1, 1'000'000'000)) return "--study: 1 to 1000000000";
@@ -226,6 +238,7 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
   const bool reads = out.recorded || out.archive;
   if ((out.recorded && out.archive) || reads == (out.walk.subjects > 0)) return "say how many virtual subjects, or which recordings";
   if (reads && out.out) return "--out belongs to virtual subjects";
+  if (!out.recorded && !out.selection.only.empty()) return "--sessions belongs to --recorded";
   if (!reads && out.selection.tag) return "--tag belongs to --recorded and --archive";
   if (!out.recorded && out.selection.study) return "--study belongs to --recorded";
   if (!out.archive && (out.days.from_day || out.days.to_day)) return "--from and --to belong to --archive";

@@ -188,6 +188,10 @@ TEST(Study, RecordedSessionsAreChosenByTag) {
   ASSERT_EQ(spring->runs.size(), 1U) << "a tag is a whole word";
   EXPECT_EQ(spring->runs.begin()->second, 1);
   EXPECT_EQ(spring->subjects, std::vector<std::string>{"K-01"});
+  const auto second = evaluate(database, protocol, {.only = {2, 7}});
+  ASSERT_TRUE(second.ok());
+  ASSERT_EQ(second->runs.size(), 1U);
+  EXPECT_EQ(second->runs.begin()->second, 2);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ struct Walked {
 };
 // Whose run a session is; nothing when it is none of the study.
 std::optional<Walked> walked_in(const db::SessionInfo& session, const Selection& selection) {
+  if (!selection.only.empty() && !std::ranges::binary_search(selection.only, session.id)) return {};
   if (selection.tag && !has_word(session.note, *selection.tag)) return {};
   if (selection.study) {
     if (!session.study || session.study->study != *selection.study) return {};

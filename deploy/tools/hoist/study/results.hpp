@@ -34,6 +34,7 @@ struct LeftOut {
 struct Selection {
   std::optional<std::int64_t> study = {};  ///< those of this study of virtual subjects
   std::optional<std::string> tag = {};     ///< those whose note holds this word
+  std::vector<db::SessionId> only = {};    ///< sorted: none but these; empty: any
 };
 
 struct Results {
