@@ -106,7 +106,7 @@ class UnevenGait {
 
   /// Every 10 ms: begins and ends freezes and rests. A freeze begins while the hoist rolls, a rest while the patient leads it.
   void decide_10ms(bool rolls, bool leads) {
-    if (variation_.freezes_per_min <= 0.0 && variation_.rests_per_min <= 0.0) return;
+    if (episode_ == Episode::none && variation_.freezes_per_min <= 0.0 && variation_.rests_per_min <= 0.0) return;
     episode_s_ -= kThought_s;
     if (episode_ == Episode::festination && episode_s_ <= 0.0) {
       begin(Episode::freeze, variation_.freeze_s);
@@ -117,6 +117,12 @@ class UnevenGait {
       if (leads && happens(variation_.rests_per_min)) begin(Episode::rest, variation_.rest_s);
     }
     if (episode_ == Episode::rest && !leads) begin(Episode::none, kAtLeastBetween_s);
+  }
+
+  /// A freeze that lasts this long begins now.
+  void freeze(double seconds) {
+    episode_ = Episode::freeze;
+    episode_s_ = seconds;
   }
 
   [[nodiscard]] bool festinating() const { return episode_ == Episode::festination; }

@@ -99,6 +99,8 @@ class Patient {
     if (std::isfinite(forward_m) && !fallen()) hang_m_ = forward_m;
     fall(PatientState::hanging, 0.0);
   }
+  /// The feet stick to the floor for this long.
+  void freeze_feet(double seconds) { uneven_.freeze(seconds); }
   void set_wish(double wish_m_s) { params_.wish_m_s = wish_m_s; }
   /// Lets a test hold the pelvis turned (rad, left positive) while standing or walking instead of looking at the line.
   void hold_turn(double yaw_rad) { held_turn_rad_ = yaw_rad, holds_turn_ = true; }

@@ -165,6 +165,13 @@ Answer op_hang(World& world, const ProgramState&, const json&) {
   return kDone;
 }
 
+Answer op_freeze_feet(World& world, const ProgramState&, const json& request) {
+  const auto seconds = number(request, "seconds", 0.5, 60.0);
+  if (!seconds) return Refused{"seconds: 0.5 to 60"};
+  world.patient().freeze_feet(*seconds);
+  return kDone;
+}
+
 Answer op_plug(World& world, const json& request, bool pulled) {
   const auto which = node(request);
   if (!which) return bad_node();
@@ -367,6 +374,7 @@ constexpr std::array kOperations{
     Operation{"trip", "the patient falls over its feet; toward forward (as without), backward, left or right", op_trip},
     Operation{"collapse", "the patient's legs give way; toward as in trip", op_collapse},
     Operation{"hang", "the patient hangs forward in the harness", op_hang},
+    Operation{"freeze_feet", "seconds: the patient's feet stick to the floor for this long", op_freeze_feet},
     Operation{"unplug", "node: its plug is pulled", op_unplug},
     Operation{"replug", "node: its plug is back", op_replug},
     Operation{"freeze", "node, frozen: its processor stops", op_freeze},
