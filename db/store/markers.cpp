@@ -85,6 +85,27 @@ Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session, std::int64_
   });
 }
 
+Status MarkerStore::add(SessionId session, const Marker& marker) {
+  if (Status checked = check_marker(marker.text); !checked) return checked;
+  if (Status checked = check_marker_kind(marker.kind); !checked) return checked;
+  sqlite3* handle = database_->handle();
+  return guarded([&]() -> Status {
+    Transaction transaction(handle, Transaction::Kind::write);
+    Statement known(handle, "SELECT ended_utc_ns FROM sessions WHERE id = ?1");
+    if (!known.integer(1, session).step()) return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
+    if (known.is_null(0)) return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is still being recorded", {}};
+    Statement row(
+        handle,
+        "INSERT INTO markers (session_id, number, tick, utc_ns, text, actor_id, kind) VALUES (?1, (SELECT ifnull(max(number), -1) + 1 "
+        "FROM markers WHERE session_id = ?1), ?2, ?3, ?4, ?5, nullif(?6, 'note'))");
+    row.integer(1, session).unsigned_integer(2, marker.tick).integer(3, marker.utc_ns).text(4, std::string_view(marker.text));
+    bind_actor(row, 5, handle, marker.actor);
+    row.text(6, std::string_view(marker.kind)).run();
+    transaction.commit();
+    return {};
+  });
+}
+
 Result<MarkerInfo> MarkerStore::change(SessionId session, std::int64_t number, const MarkerPatch& patch, const std::string& expected) {
   if (patch.text)
     if (Status checked = check_marker(*patch.text); !checked) return checked.error();

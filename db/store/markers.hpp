@@ -31,6 +31,9 @@ class MarkerStore {
   explicit MarkerStore(Database& database) : database_(&database) {}
   /// In the order in which they were set, those with numbers above `after`.
   Result<std::vector<MarkerInfo>> list(SessionId session, std::int64_t after, std::size_t limit) const;
+  /// In a session that has ended; in one under way it is the writer's (SessionWriter::store_marker). Errors: not_found, wrong_state (under way),
+  /// bad_value (text, kind), busy, disk_full.
+  Status add(SessionId session, const Marker& marker);
   Result<MarkerInfo> change(SessionId session, std::int64_t number, const MarkerPatch& patch, const std::string& expected);
   /// Overwritten, too.
   Status remove(SessionId session, std::int64_t number, const std::string& expected);

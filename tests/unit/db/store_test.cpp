@@ -11,6 +11,7 @@
 
 #include "db/store/exercise_json.hpp"
 #include "db/store/hoist_id.hpp"
+#include "db/store/markers.hpp"
 #include "db/store/schema_list.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
@@ -689,6 +690,30 @@ TEST(Writer, events_markers_parameters_and_frames_come_back) {
     }
   }
   EXPECT_EQ(reader.get(*id)->close_reason, "core_restarted");
+}
+
+TEST(Markers, one_comes_into_an_ended_session_and_none_into_one_under_way) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  const SessionId ended = record_session(database, 100, 1);
+  SessionWriter writer = writer_of(database);
+  const auto under_way = writer.begin(start_of_walk());
+  ASSERT_TRUE(under_way.ok());
+  MarkerStore store(database);
+  const Marker marker{
+      .tick = 40, .utc_ns = kStartUtc_ns + 400'000'000, .text = "late", .actor = Actor{"berg", "therapist", "rest", "script"}};
+  EXPECT_TRUE(store.add(ended, marker).ok());
+  EXPECT_TRUE(store.add(ended, marker).ok());
+  const auto markers = store.list(ended, -1, 10);
+  ASSERT_TRUE(markers.ok());
+  ASSERT_EQ(markers->size(), 2U);
+  EXPECT_EQ(markers->front().number + 1, markers->back().number);
+  EXPECT_EQ(markers->front().marker.text, "late");
+  EXPECT_EQ(markers->front().marker.tick, 40U);
+  EXPECT_EQ(markers->front().marker.actor->user, "berg");
+  EXPECT_EQ(store.add(*under_way, marker).error().kind, ErrorKind::wrong_state);
+  EXPECT_EQ(store.add(99, marker).error().kind, ErrorKind::not_found);
+  EXPECT_EQ(store.add(ended, {.text = std::string(501, 'a'), .actor = {}}).error().field, "text");
 }
 
 TEST(Writer, wrong_calls_are_refused_by_name_and_change_nothing) {
