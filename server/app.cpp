@@ -149,6 +149,14 @@ struct App::Parts {
                }),
         state(settings, core, recorder),
         history(core, records, actors, &utc_ns),
+        rehearsals({.settings = settings,
+                    .core = core,
+                    .state = state,
+                    .recorder = recorder,
+                    .records = records,
+                    .actors = actors,
+                    .now_ns = &steady_ns,
+                    .utc_ns = &utc_ns}),
         tools(settings.db_path.string() + ".tools", settings.tools),
         timer(io),
         goodbye(io) {}
@@ -296,6 +304,14 @@ struct App::Parts {
     });
   }
 
+  // A rehearsal of a lost link: the client's stream ends and does not come back for so long. One that has no stream loses its control.
+  void cut(std::uint32_t client, double seconds) {
+    if (hub.cut(client, steady_ns() + static_cast<std::uint64_t>(seconds * 1e9))) return;
+    auth->each_session([&](Session& session) {
+      if (session.client == client) release_lease_of(session);
+    });
+  }
+
   void tell_recorder_of_nodes() {
     std::array<NodeSaid, contract::kRemoteNodeCount> said;
     for (std::size_t n = 0; n < said.size(); ++n) said[n] = firmware.said(static_cast<contract::Node>(n));
@@ -403,6 +419,7 @@ struct App::Parts {
   SetUp set_up;
   HoistState state;
   ParameterHistory history;
+  RehearsalDesk rehearsals;
   ToolSwitch tools;
   Hub hub;
   ToolHub tool_hub;
@@ -485,6 +502,7 @@ bool App::start(std::string& error) {
       .firmware = p.firmware,
       .state = p.state,
       .history = p.history,
+      .rehearsals = p.rehearsals,
       .tools = p.tools,
       .recorder = p.recorder,
       .records = p.records,
@@ -506,6 +524,8 @@ bool App::start(std::string& error) {
   p.core.add_listener(p.state);
   p.core.add_listener(p.hub);
   p.core.add_listener(p.history);
+  p.core.add_listener(p.rehearsals);
+  p.rehearsals.set_cut([&p](std::uint32_t client, double seconds) { p.cut(client, seconds); });
   p.tool_hub.set_services(*p.services, *p.auth);
   p.core.add_listener(p.tool_hub);
   p.rest.reset(new RestContext{

@@ -17,6 +17,7 @@
 #include "server/settings.hpp"
 #include "server/state/hoist_state.hpp"
 #include "server/state/parameter_history.hpp"
+#include "server/state/rehearsal_desk.hpp"
 #include "server/state/tool_switch.hpp"
 
 namespace hoist::server {
@@ -30,6 +31,7 @@ struct Services {
   FirmwareDesk& firmware;
   HoistState& state;
   ParameterHistory& history;              // every change of a parameter
+  RehearsalDesk& rehearsals;              // of staff, on a simulated hoist
   ToolSwitch& tools;                      // whether /foxglove and /rosbridge are open
   Recorder& recorder;                     // its state
   RecorderDesk& records;                  // work for its thread

@@ -39,6 +39,7 @@ std::string usage() {
          "                     reach the set-up only\n"
          "  --host NAME        further name under which browsers may call; may be repeated\n"
          "  --scenario NAME    what the simulator plays: chooses the exercise offered first\n"
+         "  --simulator FILE   socket on which hoist-sim takes requests (its --control): staff may rehearse\n"
          "  --token-file FILE  where the token for scripts is written, readable only by this user\n"
          "  --backup-root DIR  folder in which backups may be written, and from which they may be put back; may be repeated\n"
          "  --tls-cert FILE    certificate chain (PEM): HTTPS and WSS instead of plain; needs --tls-key\n"
@@ -66,7 +67,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     const bool known = option == "--socket" || option == "--db" || option == "--web" || option == "--port" || option == "--bind" ||
                        option == "--host" || option == "--scenario" || option == "--token-file" || option == "--tls-cert" ||
                        option == "--tls-key" || option == "--tls-dir" || option == "--subnet" || option == "--http-port" ||
-                       option == "--backup-root" || option == "--tools" || option == "--set-clock";
+                       option == "--backup-root" || option == "--simulator" || option == "--tools" || option == "--set-clock";
     if (!known) {
       error = "unknown option " + option + "; see --help";
       return false;
@@ -83,6 +84,7 @@ bool parse_settings(const std::vector<std::string>& arguments, Settings& setting
     if (option == "--bind") settings.bind = value;
     if (option == "--host") settings.hosts.push_back(value);
     if (option == "--scenario") settings.scenario = value;
+    if (option == "--simulator") settings.simulator = value;
     if (option == "--token-file") settings.token_file = value;
     if (option == "--tls-cert") settings.tls_cert = value;
     if (option == "--tls-key") settings.tls_key = value;

@@ -21,6 +21,7 @@ struct Settings {
   std::filesystem::path web_dir;
   std::filesystem::path db_path;
   std::optional<std::string> scenario;
+  std::string simulator;                                     // socket for requests to it; empty: none, or a real hoist
   std::filesystem::path accounts_path;                       // empty: "accounts.db" beside the recordings
   HashLimits hash_limits;                                    // of passwords; tests take cheaper ones
   std::function<void(const std::string&)> show_set_up_code;  // empty: printed on standard output

@@ -100,7 +100,7 @@ start hoist-control build/bin/hoist-control "${control_line[@]}" --socket "$stat
 await_path "$state/core.sock"
 mkdir -p "$data/backups"
 start hoist-server build/bin/hoist-server --socket "$state/core.sock" --port "$port" --web web/dist --db "$data/hoist.db" \
-  --scenario "$scenario" --token-file "$state/token" --backup-root "$data/backups"
+  --scenario "$scenario" --simulator "$state/sim.sock" --token-file "$state/token" --backup-root "$data/backups"
 
 # A supervisor ends only when it has given up.
 status=0

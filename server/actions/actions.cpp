@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "control/contract/calibration.hpp"
@@ -129,6 +130,7 @@ db::AuditEntry audit_entry(const Services& services, const Asker& asker, Action 
 }
 
 void log_action(Services& services, const Asker& asker, db::AuditEntry entry, std::string result) {
+  services.rehearsals.did(asker.client, entry.action, result);
   entry.result = std::move(result);
   services.people.log(std::move(entry));
   if (asker.logged) *asker.logged = true;
@@ -667,6 +669,24 @@ void act_choose_task(Services& services, const Asker& asker, const json& wish, O
   done({});
 }
 
+void act_choose_rehearsal(Services& services, const Asker& asker, const json& wish, OutcomeDone done) {
+  const json& name = wish.at("rehearsal");
+  const auto kind = name.is_string() ? find_rehearsal(name.get_ref<const std::string&>()) : std::nullopt;
+  if (!begin_action(services, asker, Action::choose_rehearsal, {kind ? name.get<std::string>() : ""}, done)) return;
+  Outcome outcome;
+  if (kind) {
+    const json seed = wish.value("seed", json());
+    outcome.reason = services.rehearsals.choose(*kind, seed.is_number() ? seed.get<std::uint64_t>() : std::random_device{}(), asker.client);
+  } else {
+    services.rehearsals.cancel();
+  }
+  if (outcome.reason) {
+    outcome.kind = Outcome::Kind::refused;
+    outcome.detail = "There is no rehearsal here now.";
+  }
+  done(outcome);
+}
+
 void end_task(Services& services) {
   ++services.ends_asked;
   Command request = command_of(CommandKind::request_mode, {});
@@ -920,9 +940,11 @@ void act_set_retention(Services& services, const Asker& asker, const db::Retenti
 namespace {
 // Why this job may not begin now: a study takes a processor for a minute.
 std::optional<Reason> against_job(const Services& services, JobKind kind) {
-  if (kind != JobKind::study) return {};
+  if (kind != JobKind::study && kind != JobKind::study_recorded) return {};
   const auto all = services.jobs.list();
-  if (std::ranges::any_of(all, [](const JobInfo& job) { return job.kind == JobKind::study && !has_ended(job.state); }))
+  if (std::ranges::any_of(all, [](const JobInfo& job) {
+        return (job.kind == JobKind::study || job.kind == JobKind::study_recorded) && !has_ended(job.state);
+      }))
     return Reason::study_runs;
   const auto& newest = services.core.newest();
   if (newest && newest->mode < contract::kModes.size() && contract::kModes[newest->mode].moving) return Reason::moving;

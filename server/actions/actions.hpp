@@ -42,6 +42,8 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
 void act_choose(Services& services, const Asker& asker, const nlohmann::json& exercise, OutcomeDone done);
 // The task of the next walks (db/tasks), which is also their exercise, for all screens; {"task": null} for none. Refused as act_choose.
 void act_choose_task(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
+// A rehearsal of staff, chosen by its name in "rehearsal"; null for none. Only on a simulated hoist.
+void act_choose_rehearsal(Services& services, const Asker& asker, const nlohmann::json& wish, OutcomeDone done);
 // The end of the chosen task is reached: its motion ends as if a person had ended it.
 void end_task(Services& services);
 // A driving command as a protocol read it; a missing value: the message had none.

@@ -25,7 +25,7 @@ inline constexpr std::array kJobKinds{
 #undef HOIST_JOB
 };
 // Whether a deletion must interrupt it (Jobs::hold). A study reads the recordings for moments only, and it would begin again from its start.
-constexpr bool gives_way_to_deletion(JobKind kind) { return kind != JobKind::study; }
+constexpr bool gives_way_to_deletion(JobKind kind) { return kind != JobKind::study && kind != JobKind::study_recorded; }
 constexpr const JobKindInfo& job_kind_info(JobKind kind) { return kJobKinds[static_cast<std::size_t>(kind)]; }
 constexpr std::optional<JobKind> find_job_kind(std::string_view name) {
   for (std::size_t i = 0; i < kJobKinds.size(); ++i)

@@ -94,8 +94,8 @@ constexpr bool needs_tag(const Route& route) {
 }
 // What acts on the hoist or on one's own sign-in as it is now: the newest counts, as of the messages of hoist.v1.
 inline constexpr auto kActsNow = std::to_array<std::string_view>({"sign_out", "change_password", "change_pin", "set_time", "choose_patient",
-                                                                  "choose_task", "choose_exercise", "pause_alarm", "release_lease",
-                                                                  "withdraw_lease", "cancel_calibration", "cancel_job"});
+                                                                  "choose_task", "choose_exercise", "choose_rehearsal", "pause_alarm",
+                                                                  "release_lease", "withdraw_lease", "cancel_calibration", "cancel_job"});
 constexpr bool acts_now(const Route& route) {
   for (const std::string_view operation : kActsNow)
     if (operation == route.operation) return true;

@@ -16,6 +16,7 @@
 #include "server/contract/audit.hpp"
 #include "server/contract/jobs.hpp"
 #include "server/contract/reasons.hpp"
+#include "server/contract/rehearsals.hpp"
 #include "server/contract/topics.hpp"
 
 namespace hoist::server {
@@ -162,11 +163,15 @@ constexpr std::string_view kSchemas = R"json({
   {"type": "object", "required": ["kind", "subjects", "seed"], "properties": {"kind": {"const": "study"},
    "subjects": {"type": "integer", "minimum": 1, "maximum": 99, "description": "Virtual subjects; the paper had 11"},
    "seed": {"type": "integer", "minimum": 0, "maximum": 1000000000, "description": "The same seed gives the same subjects and runs"}}, "additionalProperties": false},
+  {"type": "object", "required": ["kind"], "properties": {"kind": {"const": "study_recorded"},
+   "subject": {"type": "string", "minLength": 1, "maxLength": 64, "description": "The whole patient code"},
+   "from_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"}, "to_day": {"type": "string", "minLength": 10, "maxLength": 10, "description": "YYYY-MM-DD"},
+   "simulated": {"type": "boolean", "description": "false: without recordings of a simulated hoist"}}, "additionalProperties": false},
   {"type": "object", "required": ["kind", "study"], "properties": {"kind": {"const": "delete_study"}, "study": {"type": "integer", "minimum": 1, "maximum": 9007199254740991}},
    "additionalProperties": false}]},
 "StudyRun": {"type": "object", "description": "Which run of a study with virtual subjects a session is", "required": ["study", "subject", "run"], "properties": {
   "study": {"type": "integer"}, "subject": {"type": "string"}, "run": {"type": "integer", "description": "Its number in the protocol"}}, "additionalProperties": false},
-"StudyJobResult": {"type": "object", "required": ["kind", "study"], "properties": {"kind": {"const": "study"}, "study": {"type": "integer"}}, "additionalProperties": false},
+"StudyJobResult": {"type": "object", "required": ["kind", "study"], "properties": {"kind": {"enum": ["study", "study_recorded"]}, "study": {"type": "integer"}}, "additionalProperties": false},
 "StudyDeleted": {"type": "object", "required": ["kind", "study", "sessions"], "properties": {"kind": {"const": "delete_study"}, "study": {"type": "integer"},
   "sessions": {"type": "integer"}}, "additionalProperties": false},
 "StudyList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "description": "Newest first", "items": {"type": "object",
@@ -330,6 +335,20 @@ constexpr std::string_view kSchemas = R"json({
   "sizes": {"type": ["object", "null"], "maxProperties": 4, "additionalProperties": {"type": "number"}}, "clockwise": {"type": ["boolean", "null"]},
   "goal": {"type": ["number", "null"], "description": "Of its end: times along the line, seconds, radians, metres"}, "repetitions": {"type": ["number", "null"]}, "rest_s": {"type": ["number", "null"]}},
   "additionalProperties": false, "description": "What is left out is as usual"},
+"RehearsalRequest": {"type": "object", "required": ["rehearsal"], "properties": {"rehearsal": {"anyOf": [{"$ref": "#/components/schemas/RehearsalKind"}, {"type": "null"}], "description": "null: none"},
+  "seed": {"type": ["integer", "null"], "minimum": 0, "maximum": 1000000000, "description": "Draws the moment when it happens; a new one when not given"}}, "additionalProperties": false},
+"RehearsalLook": {"type": "object", "required": ["check", "limit_s"], "properties": {"check": {"$ref": "#/components/schemas/RehearsalCheck"}, "limit_s": {"type": ["number", "null"], "description": "null: none"}}, "additionalProperties": false},
+"RehearsalItem": {"type": "object", "required": ["check", "limit_s", "seen", "after_s"], "properties": {"check": {"$ref": "#/components/schemas/RehearsalCheck"}, "limit_s": {"type": ["number", "null"]},
+  "seen": {"enum": ["good", "wrong", "missing"], "description": "missing: it was not done"}, "after_s": {"type": ["number", "null"], "description": "When it was done, since what happened; of look: how long"}}, "additionalProperties": false},
+"RehearsalResult": {"type": "object", "description": "What staff did in a rehearsal on a simulated hoist", "required": ["rehearsal", "seed", "after_s", "items"], "properties": {"rehearsal": {"$ref": "#/components/schemas/RehearsalKind"},
+  "seed": {"type": "integer"}, "after_s": {"type": "number", "description": "Of walking, when it happened"}, "items": {"type": "array", "items": {"$ref": "#/components/schemas/RehearsalItem"}}}, "additionalProperties": false},
+"RehearsalState": {"type": "object", "required": ["reason_code", "kinds", "phase", "rehearsal", "seed", "session", "result"], "properties": {
+  "reason_code": {"anyOf": [{"$ref": "#/components/schemas/ReasonCode"}, {"type": "null"}], "description": "Why none can be chosen here; null: one can"},
+  "kinds": {"type": "array", "items": {"type": "object", "required": ["rehearsal", "looks"], "properties": {"rehearsal": {"$ref": "#/components/schemas/RehearsalKind"},
+    "looks": {"type": "array", "items": {"$ref": "#/components/schemas/RehearsalLook"}}}, "additionalProperties": false}},
+  "phase": {"enum": ["none", "waiting", "happening", "over"]}, "rehearsal": {"anyOf": [{"$ref": "#/components/schemas/RehearsalKind"}, {"type": "null"}]}, "seed": {"type": ["integer", "null"]},
+  "session": {"type": ["integer", "null"], "description": "That was recorded when it happened; its markers have the result"},
+  "result": {"anyOf": [{"$ref": "#/components/schemas/RehearsalResult"}, {"type": "null"}], "description": "When it is over"}}, "additionalProperties": false},
 "TaskState": {"type": "object", "required": ["task", "version", "ends", "goal", "repetitions", "rest_s", "repetition", "begun_tick", "reached", "ended_tick"], "properties": {
   "task": {"type": "string"}, "version": {"type": "integer"}, "ends": {"$ref": "#/components/schemas/TaskEnd"}, "goal": {"type": "number"}, "repetitions": {"type": "integer"},
   "rest_s": {"type": "number"}, "repetition": {"type": "integer", "description": "The latest one that was begun; 0 = none yet"},
@@ -489,7 +508,7 @@ constexpr std::string_view kSchemas = R"json({
 "Actor": {"type": "object", "description": "Who asked", "required": ["user", "role", "origin", "client"], "properties": {
   "user": {"type": "string", "description": "The account; local for whoever uses this computer itself"}, "role": {"type": "string"},
   "name": {"type": "string", "description": "As screens show it; only of an account, and not in recordings"},
-  "origin": {"type": "string", "description": "The protocol: rest, hoist.v1, foxglove or rosbridge"},
+  "origin": {"type": "string", "description": "The protocol: rest, hoist.v1, foxglove or rosbridge; rehearsal: the server itself, for a rehearsal"},
   "client": {"type": "string", "description": "The sign-in: script, or device- and eight digits"}}, "additionalProperties": false},
 "ActorOrNull": {"description": "null: not known, or the core by itself", "anyOf": [{"$ref": "#/components/schemas/Actor"}, {"type": "null"}]},
 "EventRow": {"type": "object", "required": ["number", "time_s", "tick", "kind", "name", "code", "item", "bits", "value", "before", "actor"], "properties": {
@@ -520,9 +539,10 @@ constexpr std::string_view kSchemas = R"json({
   "measured_unit": {"type": "string", "description": "Of measured and both effects; empty: a share"}, "measures": {"$ref": "#/components/schemas/Words"}, "formula": {"type": "string"},
   "effect": {"$ref": "#/components/schemas/Words"}, "effect_now": {"type": ["number", "null"]}, "effect_then": {"type": ["number", "null"], "description": "To be expected"}},
   "additionalProperties": false},
-"MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "kind", "text", "actor", "etag"], "properties": {"session": {"type": "integer"},
+"MarkerRow": {"type": "object", "required": ["session", "number", "tick", "utc_ms", "time_s", "kind", "text", "actor", "rehearsal", "etag"], "properties": {"session": {"type": "integer"},
   "number": {"type": "integer", "description": "Within its session"}, "tick": {"type": "integer"}, "utc_ms": {"type": "integer"}, "time_s": {"type": "number", "description": "Since the session's start"},
-  "kind": {"$ref": "#/components/schemas/MarkerKind"}, "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"}, "etag": {"$ref": "#/components/schemas/EditTag"}},
+  "kind": {"$ref": "#/components/schemas/MarkerKind"}, "text": {"type": "string"}, "actor": {"$ref": "#/components/schemas/ActorOrNull"},
+  "rehearsal": {"anyOf": [{"$ref": "#/components/schemas/RehearsalResult"}, {"type": "null"}], "description": "The result that the text tells, of a rehearsal on a simulated hoist"}, "etag": {"$ref": "#/components/schemas/EditTag"}},
   "additionalProperties": false},
 "MarkerList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/MarkerRow"}}, "next": {"type": ["string", "null"]}}, "additionalProperties": false},
 "ParameterHistory": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/ParameterChange"}},
@@ -689,6 +709,14 @@ json all_schemas() {
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);
   schemas["ReasonCode"] = names_of(kReasons);
+  schemas["RehearsalKind"] = names_of(kRehearsals);
+  schemas["RehearsalKind"]["description"] = "What happens to staff who rehearse (server/contract/rehearsals.def)";
+  schemas["RehearsalCheck"] = names_of(kRehearsalChecks);
+  schemas["RehearsalCheck"]["description"] = "What is looked at";
+  for (const RehearsalCheckInfo& check : kRehearsalChecks)
+    schemas["RehearsalCheck"]["description"] = schemas["RehearsalCheck"]["description"].get<std::string>() +
+                                               (check.name == kRehearsalChecks.front().name ? ": " : "; ") + std::string(check.name) +
+                                               ": " + std::string(check.doc);
   schemas["TopicName"] = names_of(kTopics);
   schemas["StreamRequest"]["properties"]["rate_hz"]["enum"] = kStreamRates_hz;
   schemas["AuditAction"] = names_of(kAuditKinds);

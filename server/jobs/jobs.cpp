@@ -26,6 +26,13 @@ std::string damage_text(const db::IntegrityReport& report) {
   if (!report.structure.empty()) return report.structure.front();
   return report.sound() ? "" : std::to_string(report.damaged_blobs) + " stored blobs cannot be read";
 }
+
+// A choice of sessions is a value that is good in itself: what helps is another choice.
+Reason job_reason(const db::Error& error) {
+  if (error.kind == db::ErrorKind::bad_value && error.field == "sessions") return Reason::none_fits;
+  if (error.kind == db::ErrorKind::bad_value && error.field == "reports") return Reason::too_many;
+  return reason_of(error.kind);
+}
 }  // namespace
 
 Jobs::Jobs(Options options) : options_(std::move(options)) {}
@@ -142,7 +149,7 @@ void Jobs::end(JobId id, JobResult result) {
     info.ended_utc_ms = options_.tools.utc_ns() / 1'000'000;
     if (!result) {
       info.state = JobState::failed;
-      info.reason = reason_of(result.error().kind);
+      info.reason = job_reason(result.error());
       info.detail = result.error().message;
     } else if (stopped) {
       info.state = JobState::cancelled;

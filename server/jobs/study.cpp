@@ -4,10 +4,14 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <charconv>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "db/export/bundle.hpp"
 #include "server/jobs/child.hpp"
 #include "server/jobs/deletion.hpp"
 #include "server/jobs/work.hpp"
@@ -64,12 +68,10 @@ std::optional<double> share_in(std::string_view line) {
   return static_cast<double>(done) / all;
 }
 
-// False: `step` ended it.
-db::Result<bool> walk(const JobTools& tools, const JobArguments& arguments, const fs::path& file, const JobStep& step) {
-  const std::int64_t begin_ms = tools.utc_ns() / 1'000'000 - kBetween_ms * arguments.subjects * kRunsEach;
-  auto child =
-      Child::start({tools.study_program.string(), "study", "--subjects", std::to_string(arguments.subjects), "--seed",
-                    std::to_string(arguments.seed), "--begin-utc-ms", std::to_string(begin_ms), "--progress", "1", "--out", file.string()});
+// `hoist study` with these arguments, to its end. False: `step` ended it.
+db::Result<bool> run(const JobTools& tools, std::vector<std::string> arguments, const JobStep& step) {
+  arguments.insert(arguments.begin(), {tools.study_program.string(), "study"});
+  auto child = Child::start(arguments);
   if (!child) return child.error();
   double share = 0;
   std::string complaint;
@@ -85,6 +87,15 @@ db::Result<bool> walk(const JobTools& tools, const JobArguments& arguments, cons
   const int code = child->exit_code();
   if (code == kDone || code == kPartly) return true;
   return db::Error{db::ErrorKind::internal, complaint.empty() ? "the study ended with " + std::to_string(code) : complaint, {}};
+}
+
+std::vector<std::string> walking(const JobTools& tools, const JobArguments& arguments, const fs::path& file) {
+  const std::int64_t begin_ms = tools.utc_ns() / 1'000'000 - kBetween_ms * arguments.subjects * kRunsEach;
+  return {"--subjects",     std::to_string(arguments.subjects),
+          "--seed",         std::to_string(arguments.seed),
+          "--begin-utc-ms", std::to_string(begin_ms),
+          "--progress",     "1",
+          "--out",          file.string()};
 }
 
 // What ended early, or was left by a killed server, goes again.
@@ -138,7 +149,7 @@ JobResult study(const JobTools& tools, const JobArguments& arguments, const JobS
   const Workshop workshop(tools.file);
   if (workshop.path().empty()) return db::Error{db::ErrorKind::io, "no folder can be made beside the recordings", {}};
   const fs::path file = workshop.path() / "study.db";
-  const auto walked = walk(tools, arguments, file, step);
+  const auto walked = run(tools, walking(tools, arguments, file), step);
   if (!walked) return walked.error();
   if (!*walked) return std::optional<JobYield>{};
   auto result = put_in(tools, file, step);
@@ -149,6 +160,49 @@ JobResult study(const JobTools& tools, const JobArguments& arguments, const JobS
   if (!*result) return std::optional<JobYield>{};
   const json told{{"kind", "study"}, {"study", **result}};
   return std::optional(JobYield{.result = told.dump(), .check = {}});
+}
+
+namespace {
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+// Without runs of its own: the sessions are those of people, and stay when the study goes.
+db::Result<db::StudyId> keep(db::Database& database, std::int64_t utc_ns, const std::string& report, const fs::path& figures) {
+  std::vector<db::StudyDrawing> drawings;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(figures, ignored))
+    drawings.push_back({entry.path().stem().string(), content_of(entry.path())});
+  std::ranges::sort(drawings, {}, &db::StudyDrawing::name);
+  const auto study = db::begin_study(database, utc_ns);
+  if (!study) return study.error();
+  if (db::Status finished = db::finish_study(database, *study, report, drawings); !finished) return finished.error();
+  return *study;
+}
+}  // namespace
+
+JobResult study_recorded(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  const Workshop workshop(tools.file);
+  if (workshop.path().empty()) return db::Error{db::ErrorKind::io, "no folder can be made beside the recordings", {}};
+  auto database = tools.open();
+  if (!database) return database.error();
+  const auto sessions = db::select_sessions(*database, arguments.filter);
+  if (!sessions) return sessions.error();
+  std::string list;
+  for (const db::SessionId session : *sessions) list += (list.empty() ? "" : ",") + std::to_string(session);
+  const db::Error none{db::ErrorKind::bad_value, "no session of a patient has a note that begins with \"run N\"", "sessions"};
+  if (list.empty()) return none;
+  const fs::path told = workshop.path() / "study.json", figures = workshop.path() / "figures";
+  const auto ended =
+      run(tools, {"--recorded", tools.file.string(), "--sessions", list, "--json", told.string(), "--figures", figures.string()}, step);
+  const std::string report = content_of(told);
+  if (!ended) return report.empty() && ended.error().message.find("no session") != std::string::npos ? none : ended.error();
+  if (!*ended) return std::optional<JobYield>{};
+  if (json::parse(report, nullptr, false).is_discarded()) return db::Error{db::ErrorKind::internal, "the study has written no report", {}};
+  const auto study = keep(*database, tools.utc_ns(), report, figures);
+  if (!study) return study.error();
+  const json result{{"kind", "study_recorded"}, {"study", *study}};
+  return std::optional(JobYield{.result = result.dump(), .check = {}});
 }
 
 JobResult delete_study(const JobTools& tools, const JobArguments& arguments, const JobStep& step) {

@@ -165,6 +165,7 @@ void Hub::set_services(Services& services, Auth& auth) {
 }
 
 void Hub::open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address) {
+  if (session == cut_ && services_->now_ns() < cut_until_ns_) return;
   services_->counters.add(Count::ws_opened);
   const std::uint32_t number = services_->actors.enter(
       {{session->user, std::string{access_role(session->role)}, "hoist.v1", client_name(*session)}, session->display_name, address});
@@ -178,6 +179,16 @@ void Hub::close_sockets(const std::function<bool(const Session&)>& of, std::stri
   const auto clients = clients_;
   for (const auto& client : clients)
     if (of(*client->session())) client->close(CloseCode::policy, reason);
+}
+
+bool Hub::cut(std::uint32_t client, std::uint64_t until_ns) {
+  const auto at = std::ranges::find(clients_, client, [](const auto& one) { return one->number(); });
+  if (at == clients_.end()) return false;
+  const std::shared_ptr<Client> held = *at;
+  cut_ = held->session();
+  cut_until_ns_ = until_ns;
+  held->close(CloseCode::policy, "A rehearsal of a lost link.");
+  return true;
 }
 
 void Hub::close_ended() {

@@ -53,6 +53,8 @@ class Hub final : public CoreListener, public ClientOwner {
   void open(std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session, const std::string& address);
   // Closes the WebSockets of these sessions, whatever they do: the core then sees a driver leave and stops.
   void close_sockets(const std::function<bool(const Session&)>& of, std::string_view reason);
+  // Ends the stream of this client, and takes none of its sign-in before then. False: there is no such client.
+  bool cut(std::uint32_t client, std::uint64_t until_ns);
   void use(Session& session) override;
   [[nodiscard]] bool over(const Session& session) const override;
   void add(std::shared_ptr<Client> client);
@@ -82,6 +84,8 @@ class Hub final : public CoreListener, public ClientOwner {
 
   Services* services_ = nullptr;
   Auth* auth_ = nullptr;
+  SessionPtr cut_;  // whose stream is cut, until then
+  std::uint64_t cut_until_ns_ = 0;
   std::vector<std::shared_ptr<Client>> clients_;
   bool ending_ = false;
   std::vector<std::shared_ptr<Feed>> feeds_;

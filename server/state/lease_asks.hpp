@@ -33,8 +33,9 @@ class LeaseAsks {
   void remove(std::uint32_t client) {
     count(std::erase_if(list_, [client](const Ask& ask) { return ask.client == client; }));
   }
+  // An ask may have come after `now_ns` was read.
   void expire(std::uint64_t now_ns) {
-    count(std::erase_if(list_, [now_ns](const Ask& ask) { return now_ns - ask.since_ns >= kLife_ns; }));
+    count(std::erase_if(list_, [now_ns](const Ask& ask) { return now_ns >= ask.since_ns + kLife_ns; }));
   }
   // The holder keeps control.
   void refuse() {

@@ -11,6 +11,7 @@
 #include "server/record/reason.hpp"
 #include "server/state/hoist_state.hpp"
 #include "server/state/lease_asks.hpp"
+#include "server/state/rehearsal.hpp"
 
 namespace hoist::server {
 
@@ -82,8 +83,16 @@ json profile_json(const db::ProfileInfo& p) {
 }
 
 json marker_json(db::SessionId session, const db::MarkerInfo& m) {
-  return {{"session", session}, {"number", m.number},    {"tick", m.marker.tick}, {"utc_ms", m.marker.utc_ns / 1'000'000},
-          {"time_s", m.time_s}, {"kind", m.marker.kind}, {"text", m.marker.text}, {"actor", db::actor_json(m.marker.actor)},
+  const auto rehearsal = read_rehearsal(m.marker.text);
+  return {{"session", session},
+          {"number", m.number},
+          {"tick", m.marker.tick},
+          {"utc_ms", m.marker.utc_ns / 1'000'000},
+          {"time_s", m.time_s},
+          {"kind", m.marker.kind},
+          {"text", m.marker.text},
+          {"actor", db::actor_json(m.marker.actor)},
+          {"rehearsal", rehearsal ? rehearsal_json(*rehearsal) : json(nullptr)},
           {"etag", m.tag}};
 }
 

@@ -11,6 +11,10 @@ export interface FakeServer {
   finishJobs: () => void;
   /** The next job of this kind fails with this reason. */
   failNext: (kind: string, reason: string) => void;
+  /** The rehearsal is in another state. */
+  rehearse: (state: object) => void;
+  /** A marker of session 3 is this result. */
+  markRehearsal: (result: object) => void;
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }

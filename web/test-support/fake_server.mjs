@@ -313,7 +313,26 @@ export function startFakeServer({
     { kind: 'stumble', text: 'Stumble', time_s: 31 },
     { kind: 'note', text: 'Held the rail with the left hand', time_s: 64.2 },
     { kind: 'help', text: 'Helped', time_s: 80 },
-  ].map((row, i) => ({ session: 3, number: i, tick: 100, utc_ms: 0, actor: { user: 'berg', role: 'therapist' }, etag: `m${i}`, ...row }));
+  ].map((row, i) => ({
+    session: 3,
+    number: i,
+    tick: 100,
+    utc_ms: 0,
+    actor: { user: 'berg', role: 'therapist' },
+    rehearsal: null,
+    etag: `m${i}`,
+    ...row,
+  }));
+  const whenStopped = ['stop', 'look', 'acknowledge', 'zero', 'go_on'];
+  const rehearsalKinds = Object.entries({
+    trip: ['stop', 'look', 'cause_gone', 'acknowledge', 'zero', 'go_on'],
+    freeze: whenStopped,
+    bumper: ['stop', 'look', 'cause_gone', 'acknowledge', 'zero', 'go_on'],
+    link_loss: ['regain'],
+    low_battery: ['end', 'stay_ended'],
+    second_therapist: ['answer', 'standing'],
+  }).map(([rehearsal, looks]) => ({ rehearsal, looks: looks.map((check) => ({ check, limit_s: 5 })) }));
+  const rehearsal = { reason_code: null, kinds: rehearsalKinds, phase: 'none', rehearsal: null, seed: null, session: null, result: null };
   const visits = [
     { id: 12, patient: 5, code: 'P-017', day: dayOf(Date.now()), note: 'Tired, shorter than planned', sessions: [4], standby: [], etag: 'v12' },
     { id: 11, patient: 1, code: 'K-07', day: '2026-11-21', note: '', sessions: [3], standby: [2], etag: 'v11' },
@@ -1073,6 +1092,12 @@ export function startFakeServer({
         reasons: [],
       });
     }
+    if (path === '/rehearsal') {
+      if (request.method === 'GET') return send(200, rehearsal);
+      const chosen = given.rehearsal;
+      Object.assign(rehearsal, { phase: chosen === null ? 'none' : 'waiting', rehearsal: chosen, seed: 7, session: null, result: null });
+      return send(200, { ok: true });
+    }
     if (path === '/jobs' && request.method === 'POST') {
       const { kind } = given;
       if (kind === 'list_backups')
@@ -1100,6 +1125,11 @@ export function startFakeServer({
               };
             if (kind === 'study') {
               studies.unshift(studyOf(studies.length + 1, given.subjects, given.seed));
+              return { study: studies[0].id };
+            }
+            if (kind === 'study_recorded') {
+              const of = studyOf(studies.length + 1, 2, null);
+              studies.unshift({ ...of, sessions: [], report: { ...of.report, virtual_subjects: false, seed: null, assumed: null } });
               return { study: studies[0].id };
             }
             if (kind === 'delete_study') {
@@ -1380,6 +1410,9 @@ export function startFakeServer({
         fault: raise,
         jobs,
         finishJobs: () => (hurry = true),
+        /** The rehearsal on this hoist is in another state, or its result is the marker of session 3. */
+        rehearse: (state) => Object.assign(rehearsal, state),
+        markRehearsal: (result) => Object.assign(markers[1], { text: 'Rehearsal, simulated hoist: …', rehearsal: result }),
         failNext: (kind, reason) => (failing = { kind, reason }),
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {

@@ -120,5 +120,11 @@ describe('many sessions as one file', { timeout: minutes_ms }, () => {
     await page.locator('progress').waitFor();
     expect(fake.jobs.at(-1)).toMatchObject({ asked: { layout: 'reports', report: 'patient', language: 'en' } });
     fake.finishJobs();
+    await page.locator('.session-none a[download]').waitFor();
+    fake.failNext('export_sessions', 'none_fits');
+    await button(en['exports.make']).click();
+    await page.locator('progress').waitFor();
+    fake.finishJobs();
+    await page.getByText('No session fits. Choose other days or another patient').waitFor();
   });
 });

@@ -247,6 +247,12 @@ TEST_F(Exports, ManySessionsAreAJobWithAFile) {
   const std::string none = finished({{"kind", "export_sessions"}, {"subject", "P-3"}});
   EXPECT_EQ(get(none).json()["state"], "failed");
   EXPECT_EQ(get(none).json()["detail"], "no session fits");
+  for (const json& content :
+       {json{{"layout", "files"}}, json{{"layout", "bids"}}, json{{"layout", "sqlite"}}, json{{"layout", "reports"}}}) {
+    json asked{{"kind", "export_sessions"}, {"subject", "P-3"}};
+    asked.update(content);
+    EXPECT_EQ(get(finished(asked)).json()["reason_code"], "none_fits") << content;
+  }
   EXPECT_EQ(get(none + "/file").status, 404);
   finished({{"kind", "export_sessions"}});
   EXPECT_EQ(get(place + "/file").status, 404) << "only the newest files are kept";

@@ -50,6 +50,7 @@ class Idle : public ::testing::Test {
                                  .firmware = firmware_,
                                  .state = state_,
                                  .history = history_,
+                                 .rehearsals = rehearsals_,
                                  .tools = tools_,
                                  .recorder = recorder_,
                                  .records = records_,
@@ -104,6 +105,14 @@ class Idle : public ::testing::Test {
   ToolSwitch tools_{folder_ / "none.tools", false};
   ActorList actors_{0};
   ParameterHistory history_{core_, records_, actors_, [] { return std::int64_t{0}; }};
+  RehearsalDesk rehearsals_{{.settings = settings_,
+                             .core = core_,
+                             .state = state_,
+                             .recorder = recorder_,
+                             .records = records_,
+                             .actors = actors_,
+                             .now_ns = [] { return std::uint64_t{0}; },
+                             .utc_ns = [] { return std::int64_t{0}; }}};
   Hub hub_;
   std::unique_ptr<Auth> auth_;
   std::unique_ptr<Services> services_;
@@ -363,7 +372,8 @@ TEST_F(Idle, EachStepIsShownOrNamedAsMissingExactlyOnce) {
 namespace calls {
 #define CALL(name, ...) \
   void name(Services& services, const Asker& asker, OutcomeDone done) { __VA_ARGS__; }
-const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kPatient = 7U, kTask{{"task", "circle"}};
+const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kPatient = 7U, kTask{{"task", "circle"}},
+                  kRehearsal{{"rehearsal", "trip"}};
 CALL(take_lease, act_take_lease(services, asker, true, done))
 CALL(release_lease, act_release_lease(services, asker, done))
 CALL(ask_lease, act_ask_lease(services, asker, false, done))
@@ -374,6 +384,7 @@ CALL(start_motion, act_mode(services, asker, {kUser, kNone, kNone, kNone}, done)
 CALL(end_motion, act_mode(services, asker, {kStandby, kNone, kNone, kNone}, done))
 CALL(choose_exercise, act_choose(services, asker, kEmpty, done))
 CALL(choose_task, act_choose_task(services, asker, kTask, done))
+CALL(choose_rehearsal, act_choose_rehearsal(services, asker, kRehearsal, done))
 CALL(stop, act_stop(services, asker, done))
 CALL(acknowledge, act_acknowledge(services, asker, kNone, done))
 CALL(pause_alarm, act_pause_alarm(services, asker, true, done))

@@ -156,6 +156,31 @@ TEST_F(StudyJob, ItsSessionsTablesAndDrawingsComeAmongTheRecordings) {
   EXPECT_EQ(workshops(), 0U);
 }
 
+// Sessions of people, evaluated where they are.
+TEST_F(StudyJob, RecordedSessionsAreEvaluatedAndStay) {
+  ASSERT_EQ(ended(start())["state"], "done");
+  json report = kReport;
+  report["virtual_subjects"] = false;
+  report["seed"] = nullptr;
+  std::ofstream(folder_ / "report.json") << report;
+  script("while [ -n \"$all\" ]; do break; done; set -- $(cat " + (folder_ / "arguments").string() +
+         "); while [ $# -gt 0 ]; do [ \"$1\" = --json ] && j=$2; [ \"$1\" = --figures ] && f=$2; shift; done; cp " +
+         (folder_ / "report.json").string() + " $j; mkdir -p $f; echo '<svg/>' > $f/figure-8.svg");
+  const json info = ended(call("POST", "/api/v1/jobs", {{"kind", "study_recorded"}}).header("location"));
+  ASSERT_EQ(info["state"], "done") << info;
+  EXPECT_NE(line_of("arguments").find("--sessions 1,2 "), std::string::npos) << line_of("arguments");
+  const json study = get("/api/v1/studies/2").json();
+  EXPECT_EQ(study["report"], report);
+  EXPECT_EQ(study["drawings"], json::array({"figure-8"}));
+  EXPECT_EQ(ended(call("POST", "/api/v1/jobs", {{"kind", "delete_study"}, {"study", 2}}).header("location"))["result"]["sessions"], 0);
+  EXPECT_EQ(get("/api/v1/sessions").json()["total"], 2) << "they are nobody's to delete with it";
+
+  const json none = ended(call("POST", "/api/v1/jobs", {{"kind", "study_recorded"}, {"subject", "P-9"}}).header("location"));
+  EXPECT_EQ(none["reason_code"], "none_fits");
+  script("echo 'hoist study: no session has a patient'; exit 1");
+  EXPECT_EQ(ended(call("POST", "/api/v1/jobs", {{"kind", "study_recorded"}}).header("location"))["reason_code"], "none_fits");
+}
+
 TEST_F(StudyJob, StudiesAreListedInPagesNewestFirst) {
   for (int i = 0; i < 3; ++i) ASSERT_EQ(ended(start())["state"], "done");
   const json first = get("/api/v1/studies?limit=2").json();

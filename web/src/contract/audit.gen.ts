@@ -268,6 +268,10 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     done: { en: 'chose a task or none', de: 'hat eine Aufgabe oder keine gewählt' },
     tried: { en: 'choose a task', de: 'eine Aufgabe wählen' },
   },
+  choose_rehearsal: {
+    done: { en: 'chose a rehearsal on the simulated hoist or none', de: 'hat eine Probe am simulierten Gerät oder keine gewählt' },
+    tried: { en: 'choose a rehearsal', de: 'eine Probe wählen' },
+  },
   pause_alarm: {
     done: { en: 'paused the sound of the alarms or let them sound again', de: 'hat den Alarmton unterbrochen oder wieder angestellt' },
     tried: { en: 'pause the sound of the alarms', de: 'den Alarmton unterbrechen' },

@@ -12,7 +12,7 @@ export type Actor = {
   client: string;
   /** As screens show it; only of an account, and not in recordings. */
   name?: string;
-  /** The protocol: rest, hoist.v1, foxglove or rosbridge. */
+  /** The protocol: rest, hoist.v1, foxglove or rosbridge; rehearsal: the server itself, for a rehearsal. */
   origin: string;
   role: string;
   /** The account; local for whoever uses this computer itself. */
@@ -54,7 +54,7 @@ export type AlarmPauseRequest = {
 };
 
 /** What was done or tried: an action, or a REST operation. */
-export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'pause_alarm' | 'stop' | 'acknowledge';
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'choose_rehearsal' | 'pause_alarm' | 'stop' | 'acknowledge';
 
 export type AuditCheck = {
   first_wrong: number | null;
@@ -613,7 +613,7 @@ export type Job = {
   state: 'waiting' | 'running' | 'done' | 'failed' | 'cancelled';
 };
 
-export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention' | 'study' | 'delete_study';
+export type JobKind = 'integrity_check' | 'recompute_metrics' | 'backup' | 'restore' | 'export_sessions' | 'list_backups' | 'preview_retention' | 'retention' | 'study' | 'study_recorded' | 'delete_study';
 
 export type JobList = {
   items: readonly Job[];
@@ -673,6 +673,16 @@ export type JobRequest = {
   seed: number;
   /** Virtual subjects; the paper had 11. */
   subjects: number;
+} | {
+  /** YYYY-MM-DD. */
+  from_day?: string;
+  kind: 'study_recorded';
+  /** false: without recordings of a simulated hoist. */
+  simulated?: boolean;
+  /** The whole patient code. */
+  subject?: string;
+  /** YYYY-MM-DD. */
+  to_day?: string;
 } | {
   kind: 'delete_study';
   study: number;
@@ -777,6 +787,8 @@ export type MarkerRow = {
   kind: MarkerKind;
   /** Within its session. */
   number: number;
+  /** The result that the text tells, of a rehearsal on a simulated hoist. */
+  rehearsal: RehearsalResult | null;
   session: number;
   text: string;
   tick: number;
@@ -1279,7 +1291,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'none_fits' | 'too_many' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'not_simulated' | 'no_simulator' | 'rehearsal_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
 
 export type Recording = {
   detail: string;
@@ -1311,6 +1323,59 @@ export type RecordingsHealth = {
   progress: number;
   /** Of the file in use. It is checked after each start; the job integrity_check does it again. */
   state: 'unchecked' | 'checking' | 'sound' | 'damaged';
+};
+
+/** What is looked at: stop: STOP was pressed, or the motion ended, within limit_s; look: at least limit_s passed between standstill and the first attempt to release the stop; cause_gone: nobody tried to release the stop while its cause remained, or before the hoist stood; acknowledge: the stop was released within limit_s; zero: the posture was taken as upright after the release and before the next start; go_on: the walk went on within limit_s; regain: someone was in control again within limit_s; end: the walk was ended within limit_s; stay_ended: no start for limit_s after that; answer: the request for control was answered within limit_s: kept, or handed over; standing: nobody tried to hand over while the hoist was led. */
+export type RehearsalCheck = 'stop' | 'look' | 'cause_gone' | 'acknowledge' | 'zero' | 'go_on' | 'regain' | 'end' | 'stay_ended' | 'answer' | 'standing';
+
+export type RehearsalItem = {
+  /** When it was done, since what happened; of look: how long. */
+  after_s: number | null;
+  check: RehearsalCheck;
+  limit_s: number | null;
+  /** missing: it was not done. */
+  seen: 'good' | 'wrong' | 'missing';
+};
+
+/** What happens to staff who rehearse (server/contract/rehearsals.def). */
+export type RehearsalKind = 'trip' | 'freeze' | 'bumper' | 'link_loss' | 'low_battery' | 'second_therapist';
+
+export type RehearsalLook = {
+  check: RehearsalCheck;
+  /** null: none. */
+  limit_s: number | null;
+};
+
+export type RehearsalRequest = {
+  /** null: none. */
+  rehearsal: RehearsalKind | null;
+  /** Draws the moment when it happens; a new one when not given. */
+  seed?: number | null;
+};
+
+/** What staff did in a rehearsal on a simulated hoist. */
+export type RehearsalResult = {
+  /** Of walking, when it happened. */
+  after_s: number;
+  items: readonly RehearsalItem[];
+  rehearsal: RehearsalKind;
+  seed: number;
+};
+
+export type RehearsalState = {
+  kinds: readonly {
+    looks: readonly RehearsalLook[];
+    rehearsal: RehearsalKind;
+  }[];
+  phase: 'none' | 'waiting' | 'happening' | 'over';
+  /** Why none can be chosen here; null: one can. */
+  reason_code: ReasonCode | null;
+  rehearsal: RehearsalKind | null;
+  /** When it is over. */
+  result: RehearsalResult | null;
+  seed: number | null;
+  /** That was recorded when it happened; its markers have the result. */
+  session: number | null;
 };
 
 export type RestoreResult = {
@@ -1551,7 +1616,7 @@ export type StudyDeleted = {
 };
 
 export type StudyJobResult = {
-  kind: 'study';
+  kind: 'study' | 'study_recorded';
   study: number;
 };
 
@@ -2401,6 +2466,15 @@ export interface Routes {
   'POST /api/v1/recording': {
     body: RecordingRequest;
     answer: Recording;
+  };
+  /** Rehearsals for staff on a simulated hoist: which there are, and the one that is chosen; its result is also a marker of the session. */
+  'GET /api/v1/rehearsal': {
+    answer: RehearsalState;
+  };
+  /** Chooses a rehearsal, which happens some time after the patient has begun to walk; null: none, or the end of the one under way. Refused on a real hoist. */
+  'PUT /api/v1/rehearsal': {
+    body: RehearsalRequest;
+    answer: Done;
   };
   /** How long sessions are kept. */
   'GET /api/v1/retention': {

@@ -46,6 +46,14 @@ export const panels: readonly Panel[] = [
     view: new Lazy(async () => (await import('./study/study')).StudyView),
   },
   {
+    id: 'rehearse',
+    title: 'nav.rehearse',
+    icon: 'exercises',
+    live: false,
+    under: 'exercises',
+    view: new Lazy(async () => (await import('./rehearse/rehearse')).RehearseView),
+  },
+  {
     id: 'settings',
     title: 'nav.settings',
     icon: 'settings',

@@ -473,6 +473,8 @@ export const de: Table = {
   'unit.units': 'Einheiten',
   'unit.counts': 'Impulse',
 
+  'nav.rehearse': 'Proben',
+  'rehearse.asker': 'Zweite Person (Probe)',
   'nav.study': 'Studienprotokoll',
   'study.openHint': 'Der Versuch, auf dem dieses Gerät beruht, mit simulierten Personen.',
   'study.title': 'Versuch mit simulierten Personen',
@@ -514,18 +516,6 @@ export const de: Table = {
   'study.leftOut': 'Nicht gewertete Durchgänge',
   'study.leftOutOne': '{subject}, Durchgang {run}:',
   'study.fewLaps': 'nur {n} Runden',
-  'study.assumed': 'Was angenommen ist',
-  'study.assumedHelp': 'Nichts davon ist gemessen, also ist nichts davon ein Ergebnis.',
-  'study.assumedSpeed': 'Wunschtempo {speed}; Einstellungen „{preset}“.',
-  'study.assumedFollow':
-    'Wer gefahren wird, dreht sich zum Weg voraus, und zwar {share} mal so weit wie beim Führen, mit jedem Durchgang {more} mehr und {late} verspätet. C der Durchgänge ohne * und sein Anstieg sind also angenommen.',
-  'study.assumedTherapist':
-    'Wer fährt, fährt {speed}, reagiert {late} verspätet und schätzt Ort und Richtung um {aside} und {turned} falsch. J der Durchgänge ohne * ist also angenommen.',
-  'study.assumedOrthosis': 'Orthese (Durchgänge 4 bis 6): Schritte um {limp} % ungleich, der Gang schwankt {sway}-mal so weit.',
-  'study.findings': 'Was herauskommt',
-  'study.findSquare': 'C der Quadrate {c}: Ihr Weg dreht nur in den Ecken.',
-  'study.findLed': 'C beim Führen durch die Person {c}: Das Becken lenkt.',
-  'study.findRatio': 'J der Quadrate ist {n}-mal so groß wie bei den gefahrenen Achten: Niemand dreht auf der Stelle.',
   'study.figure2': 'Abbildung 2: Bremsen',
   'study.figure2Alt': 'Zeitkonstante beim Bremsen über der Neigung gegen die Bewegung, für fünf Werte der Einstellung',
   'study.figure7': 'Abbildung 7: Formen',

@@ -474,6 +474,8 @@ export const en = {
   'unit.units': 'units',
   'unit.counts': 'counts',
 
+  'nav.rehearse': 'Rehearse',
+  'rehearse.asker': 'Second therapist (rehearsal)',
   'nav.study': 'Paper protocol',
   'study.openHint': 'The experiment behind this device, walked by virtual subjects.',
   'study.title': 'Paper protocol with virtual subjects',
@@ -515,18 +517,6 @@ export const en = {
   'study.leftOut': 'Runs left out',
   'study.leftOutOne': '{subject}, run {run}:',
   'study.fewLaps': 'only {n} laps',
-  'study.assumed': 'Put in by assumption',
-  'study.assumedHelp': 'None of this is measured, so none of it is a finding.',
-  'study.assumedSpeed': 'Preferred speed {speed}; settings “{preset}”.',
-  'study.assumedFollow':
-    'Who is driven turns to the path ahead by {share} of what a leading person would, {more} more with each run, and trails {late} behind. So C of the runs without * and its rise are assumed.',
-  'study.assumedTherapist':
-    'The therapist drives at {speed}, reacts {late} late and misjudges place and direction by {aside} and {turned}. So J of the runs without * is assumed.',
-  'study.assumedOrthosis': 'Orthosis (runs 4 to 6): steps uneven by {limp} %, gait sways {sway} times as wide.',
-  'study.findings': 'What comes out',
-  'study.findSquare': 'C of the squares {c}: their path turns only in the corners.',
-  'study.findLed': 'C while the patient leads {c}: the pelvis steers.',
-  'study.findRatio': 'J of the squares is {n} times that of the driven eights: nobody turns on the spot.',
   'study.figure2': 'Figure 2: braking',
   'study.figure2Alt': 'Time constant while braking over the lean against the motion, for five values of the setting',
   'study.figure7': 'Figure 7: shapes',

@@ -34,7 +34,12 @@ export function offerLanguage(language: Language | null): void {
 
 /** The text in the chosen language, whose words must have been loaded unless the key is one of first.ts. */
 export function t(key: TextKey, values: Record<string, string | number> = {}): string {
-  return (textOf(key) ?? key).replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+  return filled(textOf(key) ?? key, values);
+}
+
+/** A text with its values in their places. */
+export function filled(text: string, values: Record<string, string | number>): string {
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
 }
 
 /** The same for a received key; null for an unknown one. */

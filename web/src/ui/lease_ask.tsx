@@ -7,7 +7,10 @@ import { t } from '../text/text';
 import { reasons, refused } from './refusal';
 
 /** The person by name; `local` uses the computer itself, and the name says nothing. */
-export const nameOf = (actor: Actor | null): string | null => (actor === null || actor.user === 'local' ? null : (actor.name ?? actor.user));
+export function nameOf(actor: Actor | null): string | null {
+  if (actor === null || actor.user === 'local') return null;
+  return actor.origin === 'rehearsal' ? t('rehearse.asker') : (actor.name ?? actor.user);
+}
 
 export function LeaseAsk() {
   const ask = useStore((s) => (s.lease.mine ? s.lease.asking[0] : undefined));

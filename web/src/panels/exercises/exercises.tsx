@@ -12,6 +12,7 @@ import { useTopic } from '../../link/wants';
 import { addressOf, go } from '../../router';
 import type { Task, TaskRange } from '../../contract/rest.gen';
 import { exerciseRow } from '../../text/exercise';
+import { told } from '../../text/seldom';
 import { useSettings } from '../../text/settings';
 import { degrees, duration, fixed, t, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
@@ -275,6 +276,20 @@ export function ExercisesView() {
   return <Chosen tasks={tasks.length > 0 ? tasks : [plan.task]} plan={plan} setPlan={(next) => setPlan((kept = next))} />;
 }
 
+/** Only a simulated hoist offers it. */
+function Rehearse() {
+  const asked = useQuery(() => rest('GET /api/v1/rehearsal'), []);
+  if (asked.value === null || asked.value.reason_code !== null) return null;
+  return (
+    <p class="guided-study">
+      <a class="plain" href={addressOf('rehearse')}>
+        {t('nav.rehearse')}
+      </a>{' '}
+      <span class="hint">{told('openHint')}</span>
+    </p>
+  );
+}
+
 function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; setPlan: (plan: Plan) => void }) {
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
@@ -351,6 +366,7 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
           <FloorView exercise={driven ? begun : line.current.exercise} planned={!driven && !justDone && plan.task.line !== null} />
         </section>
       </div>
+      {driven ? null : <Rehearse />}
       {driven ? null : (
         <p class="guided-study">
           <a class="plain" href={addressOf('study')}>

@@ -5,9 +5,11 @@ import { notify } from '../../link/console';
 import type { Query } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
+import { told } from '../../text/seldom';
 import { duration, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { FormButtons } from '../../ui/form_buttons';
+import { RehearsalItems, rehearsalTitle } from '../../ui/rehearsal';
 import { readDuration } from './model';
 import '../../ui/rows.css';
 
@@ -50,7 +52,7 @@ export function Markers({ session, asked }: Props) {
       <Trouble problem={problem} />
       <ul class="rows">
         {items.map((marker) => (
-          <li key={marker.number} class={open === marker.number ? 'wide' : undefined}>
+          <li key={marker.number} class={open === marker.number || marker.rehearsal !== null ? 'wide' : undefined}>
             <div class="row-text">
               <strong>{title(marker)}</strong>
               <span>
@@ -58,7 +60,9 @@ export function Markers({ session, asked }: Props) {
                 {marker.actor === null ? '' : ` · ${marker.actor.user}`}
               </span>
             </div>
-            {open === marker.number ? (
+            {marker.rehearsal !== null ? (
+              <RehearsalItems result={marker.rehearsal} />
+            ) : open === marker.number ? (
               <Edit
                 key={marker.etag}
                 marker={marker}
@@ -89,7 +93,8 @@ export function Markers({ session, asked }: Props) {
 }
 
 /** A mark set with a button has the button's word as its text. */
-function title({ kind, text }: MarkerRow): string {
+function title({ kind, text, rehearsal }: MarkerRow): string {
+  if (rehearsal !== null) return `${told('label')}: ${rehearsalTitle(rehearsal.rehearsal)}`;
   const word = t(`marker.${kind}`);
   if (text === '' || text === word) return word;
   return kind === 'note' ? text : `${word} · ${text}`;

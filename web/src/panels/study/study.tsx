@@ -5,6 +5,7 @@ import { useQuery } from '../../link/query';
 import { rest, wholeList } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
+import { told } from '../../text/seldom';
 import { useSettings } from '../../text/settings';
 import { date, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
@@ -30,6 +31,13 @@ export function StudyView({ part }: PanelProps) {
           <p>{t('study.what')}</p>
           {role === 'viewer' ? null : <Run whenDone={again} />}
         </section>
+        {role === 'viewer' ? null : (
+          <section class="card study-run">
+            <h2>{told('recordedTitle')}</h2>
+            <p>{told('recordedWhat')}</p>
+            <Evaluate whenDone={again} />
+          </section>
+        )}
         <section class="card">
           <h2>{t('study.made')}</h2>
           <Trouble problem={list.problem} retry={list.retry} />
@@ -42,7 +50,7 @@ export function StudyView({ part }: PanelProps) {
                   <span>{date(item.made_utc_ms)}</span>
                   <span>
                     {t(item.subjects === 1 ? 'study.ofOne' : 'study.of', { n: item.subjects })}
-                    {item.seed === null ? '' : ` · ${t('study.seedOf', { n: item.seed })}`}
+                    {` · ${item.seed === null ? told('recorded') : t('study.seedOf', { n: item.seed })}`}
                   </span>
                 </a>
               </li>
@@ -81,6 +89,50 @@ function Run({ whenDone }: { whenDone: () => void }) {
   );
 }
 
+/** Sessions of people: chosen by day and patient, as for a download. */
+function Evaluate({ whenDone }: { whenDone: () => void }) {
+  const [from, setFrom] = useState('');
+  const [to, setTo] = useState('');
+  const [subject, setSubject] = useState('');
+  const [simulated, setSimulated] = useState(false);
+  const work = useJob('study_recorded', (job) => {
+    whenDone();
+    if (job.result?.kind === 'study_recorded') go(addressOf('study', job.result.study));
+  });
+  const start = () =>
+    void work.start({
+      kind: 'study_recorded',
+      simulated,
+      ...(from === '' ? {} : { from_day: from }),
+      ...(to === '' ? {} : { to_day: to }),
+      ...(subject.trim() === '' ? {} : { subject: subject.trim() }),
+    });
+  return (
+    <Form label={told('recordedTitle')} onSend={start}>
+      <div class="study-fields">
+        <label class="field">
+          <span>{t('exports.from')}</span>
+          <input type="date" value={from} disabled={work.busy} onInput={(event) => setFrom(event.currentTarget.value)} />
+        </label>
+        <label class="field">
+          <span>{t('exports.to')}</span>
+          <input type="date" value={to} disabled={work.busy} onInput={(event) => setTo(event.currentTarget.value)} />
+        </label>
+        <Field label={t('sessions.subject')} hint={t('exports.all')} value={subject} most={64} disabled={work.busy} onValue={setSubject} />
+        <label class="check">
+          <input type="checkbox" checked={simulated} disabled={work.busy} onChange={(event) => setSimulated(event.currentTarget.checked)} />
+          <span>{t('exports.simulated')}</span>
+        </label>
+      </div>
+      <button type="submit" class="plain primary" disabled={work.busy}>
+        {told('evaluate')}
+      </button>
+      <Progress work={work} label={told('evaluating')} />
+      <Trouble problem={work.problem} />
+    </Form>
+  );
+}
+
 function Chosen({ id, role, whenGone }: { id: number; role: string; whenGone: () => void }) {
   const asked = useQuery(() => rest('GET /api/v1/studies/{id}', { path: { id } }), [id]);
   const [sure, setSure] = useState(false);
@@ -97,11 +149,12 @@ function Chosen({ id, role, whenGone }: { id: number; role: string; whenGone: ()
           <section class="card study-head">
             <h2>{t('study.one', { n: id })}</h2>
             <p>
-              {t('study.sessions', { n: study.sessions.length })} <a href={addressOf('sessions')}>{t('study.toSessions')}</a>
+              {study.report.virtual_subjects ? t('study.sessions', { n: study.sessions.length }) : told('ofPeople')}{' '}
+              <a href={addressOf('sessions')}>{t('study.toSessions')}</a>
             </p>
             {role === 'viewer' || removal.busy ? null : sure ? (
               <div class="form-buttons">
-                <span>{t('study.sure', { n: study.sessions.length })}</span>
+                <span>{study.report.virtual_subjects ? t('study.sure', { n: study.sessions.length }) : told('sureRecorded')}</span>
                 <button type="button" class="plain" onClick={() => void removal.start({ kind: 'delete_study', study: id })}>
                   {t('sessions.delete')}
                 </button>

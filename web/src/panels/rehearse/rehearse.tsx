@@ -1,0 +1,87 @@
+// Staff rehearse on the simulated hoist: choose what happens, let the patient walk, read afterwards what was done and when.
+import { useState } from 'preact/hooks';
+import type { RehearsalKind } from '../../contract/rest.gen';
+import { useQuery } from '../../link/query';
+import { rest, type Problem } from '../../link/rest';
+import { useStore } from '../../link/store';
+import { addressOf } from '../../router';
+import { told } from '../../text/seldom';
+import { reasonText } from '../../text/server';
+import { useSettings } from '../../text/settings';
+import { t } from '../../text/text';
+import { Trouble } from '../../ui/field';
+import { RehearsalItems, rehearsalTitle, rehearsals } from '../../ui/rehearsal';
+import './rehearse.css';
+
+const look_ms = 1000;
+
+export function RehearseView() {
+  useSettings();
+  const role = useStore((s) => s.role);
+  const asked = useQuery(() => rest('GET /api/v1/rehearsal'), [], look_ms);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [kind, setKind] = useState<RehearsalKind>('trip');
+  const state = asked.value;
+  const choose = async (rehearsal: RehearsalKind | null) => {
+    const answer = await rest('PUT /api/v1/rehearsal', { body: { rehearsal } });
+    setProblem(answer.ok ? null : answer.problem);
+    asked.retry();
+  };
+  const under = state?.phase === 'waiting' || state?.phase === 'happening';
+  return (
+    <div class="rehearse">
+      <section class="card">
+        <h2>{told('label')}</h2>
+        <p>{told('what')}</p>
+        <Trouble problem={problem ?? asked.problem} />
+        {state === null ? null : state.reason_code !== null ? (
+          <p role="status">{reasonText(state.reason_code)}</p>
+        ) : under && state.rehearsal !== null ? (
+          <>
+            <p role="status">
+              <strong>{told('waits', { what: rehearsalTitle(state.rehearsal) })}</strong>
+            </p>
+            <p class="rehearse-buttons">
+              <a class="plain primary" href={addressOf('walk')}>
+                {told('toWalk')}
+              </a>
+              {role === 'viewer' ? null : (
+                <button type="button" class="plain" onClick={() => void choose(null)}>
+                  {t('common.cancel')}
+                </button>
+              )}
+            </p>
+          </>
+        ) : role === 'viewer' ? (
+          <p>{reasonText('role')}</p>
+        ) : (
+          <>
+            <div class="rehearse-kinds" role="radiogroup" aria-label={told('choose')}>
+              {state.kinds.map(({ rehearsal }) => (
+                <button key={rehearsal} type="button" role="radio" aria-checked={kind === rehearsal} onClick={() => setKind(rehearsal)}>
+                  <strong>{rehearsalTitle(rehearsal)}</strong>
+                  <span>{told(rehearsals[rehearsal].what)}</span>
+                </button>
+              ))}
+            </div>
+            <button type="button" class="plain primary" onClick={() => void choose(kind)}>
+              {told('start')}
+            </button>
+          </>
+        )}
+      </section>
+      {state === null || state.result === null ? null : (
+        <section class="card rehearse-result">
+          <h2>{told('result', { what: rehearsalTitle(state.result.rehearsal) })}</h2>
+          <p class="hint">{told('label')}</p>
+          <RehearsalItems result={state.result} />
+          {state.session === null ? null : (
+            <a class="plain" href={addressOf('sessions', state.session)}>
+              {told('toSession')}
+            </a>
+          )}
+        </section>
+      )}
+    </div>
+  );
+}

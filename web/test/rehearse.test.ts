@@ -1,0 +1,105 @@
+// A rehearsal in a browser with the stand-in server: chosen on a simulated hoist, not offered on a real one, its result there and at its session.
+import type { Page } from 'playwright-core';
+import { afterAll, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
+import { loadLanguage } from '../src/text/text';
+import { settings } from '../src/text/settings';
+import { seldomWords } from '../src/text/seldom';
+import { rehearsalSentence, rehearsals } from '../src/ui/rehearsal';
+import { minutes_ms, openBuiltConsole, type BuiltConsole } from '../test-support/browser';
+import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
+
+const result = {
+  rehearsal: 'bumper',
+  seed: 7,
+  after_s: 12.3,
+  items: [
+    { check: 'stop', limit_s: 5, seen: 'good', after_s: 1.4 },
+    { check: 'look', limit_s: 3, seen: 'wrong', after_s: 0.8 },
+    { check: 'zero', limit_s: null, seen: 'missing', after_s: null },
+  ],
+};
+
+describe('the words of a rehearsal', () => {
+  it('are one sentence for each thing looked at, with its time', async () => {
+    await loadLanguage('en');
+    settings.set({ language: 'en' });
+    expect(rehearsalSentence({ check: 'stop', limit_s: 5, seen: 'good', after_s: 1.4 })).toBe('STOP after 1.4 s.');
+    expect(rehearsalSentence({ check: 'look', limit_s: 3, seen: 'wrong', after_s: 0.8 })).toBe(
+      'Only 0.8 s before the release: look at the patient for 3 s first.',
+    );
+    expect(rehearsalSentence({ check: 'answer', limit_s: 20, seen: 'missing', after_s: null })).toBe('Nobody answered.');
+  });
+
+  it('are in both languages, with the same values', () => {
+    const gaps = (text: string) => [...text.matchAll(/\{\w+\}/g)].map(([gap]) => gap).sort();
+    for (const [key, { en: english, de: german }] of Object.entries(seldomWords)) {
+      expect(gaps(german), key).toEqual(gaps(english));
+      expect(german, key).not.toBe(english);
+    }
+  });
+
+  it('say everywhere that the hoist is simulated', () => {
+    expect(seldomWords.label.en).toBe('Rehearsal, simulated hoist');
+    expect(seldomWords.label.de).toBe('Probe, simuliertes Gerät');
+  });
+});
+
+describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
+  let built: BuiltConsole, fake: FakeServer, page: Page;
+  beforeAll(async () => {
+    built = await openBuiltConsole();
+  }, minutes_ms);
+  beforeEach(async () => {
+    await page?.close();
+    await fake?.close();
+    fake = await startFakeServer({ dist: built.folder });
+    page = await built.browser.newPage({ locale: 'en' });
+    await page.goto(`${fake.url}#/exercises`);
+    await page.locator('.mode-standby').waitFor();
+  }, minutes_ms);
+  afterAll(async () => {
+    await page?.close();
+    await built?.close();
+    await fake?.close();
+  });
+
+  it('are chosen, waited for, and told when they are over', async () => {
+    await page.getByRole('link', { name: en['nav.rehearse'] }).click();
+    await page.getByRole('heading', { name: seldomWords.label.en }).waitFor();
+    expect(await page.locator('.rehearse-kinds button').count()).toBe(Object.keys(rehearsals).length);
+    await page.getByRole('radio', { name: seldomWords.bumper.en }).click();
+    await page.getByRole('button', { name: seldomWords.start.en }).click();
+    await page.getByText('A bumper touches something: start the walk.').waitFor();
+    fake.rehearse({ phase: 'happening' });
+    await page.waitForTimeout(1200);
+    expect(await page.getByText('A bumper touches something: start the walk.').count(), 'that it has happened is not told').toBe(1);
+    fake.rehearse({ phase: 'over', session: 3, result });
+    await page.locator('.rehearse-result').waitFor();
+    expect(await page.locator('.rehearsal-items li').allTextContents()).toEqual([
+      '✓STOP after 1.4 s.',
+      '✗Only 0.8 s before the release: look at the patient for 3 s first.',
+      '–The posture was not set as upright.',
+    ]);
+    expect(await page.getByRole('link', { name: seldomWords.toSession.en }).getAttribute('href')).toBe('#/sessions/3');
+  });
+
+  it('are not offered on a real hoist, and its reason is told', async () => {
+    fake.rehearse({ reason_code: 'not_simulated' });
+    await page.reload();
+    await page.locator('.guided-study').waitFor();
+    expect(await page.getByRole('link', { name: en['nav.rehearse'] }).count()).toBe(0);
+    await page.goto(`${fake.url}#/rehearse`);
+    await page.getByText('Rehearsals need the simulated hoist.').waitFor();
+    expect(await page.getByRole('button', { name: seldomWords.start.en }).count()).toBe(0);
+  });
+
+  it('stay with their session, and are no note to edit', async () => {
+    fake.markRehearsal(result);
+    await page.goto(`${fake.url}#/sessions/3`);
+    const row = page.locator('.session-markers li', { hasText: `${seldomWords.label.en}: ${seldomWords.bumper.en}` }).first();
+    await row.waitFor();
+    expect(await row.locator('.rehearsal-items li').count()).toBe(3);
+    expect(await row.getByRole('button').count()).toBe(0);
+  });
+});
