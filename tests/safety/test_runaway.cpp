@@ -85,6 +85,22 @@ TEST(Runaway, H1ACurrentThroughABridgeThatIsOffNeedsNoMotionToBeSeen) {
   }
 }
 
+// An encoder that counts backwards shows a motor that drives its wheel as one that is pushed. At this speed a wheel generates 21 of 25.6 V, and
+// nothing that it could feed.
+TEST(Runaway, H1AMotorOfASleepingDriveIsSeenBehindAReversedEncoder) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.ready());
+  hoist.drive_left.fault = hoist.drive_left.ignores_reset = true;
+  EXPECT_TRUE(hoist.reach(Mode::protective_stop, 20));
+  hoist.step(100);
+  EXPECT_FALSE(hoist.has_fault(Fault::overspeed));
+  run_away(hoist.drive_left, 0.6, -5);
+  const int released = ticks_until_released(hoist, 100);
+  EXPECT_GT(released, 25);
+  EXPECT_LE(released, 33) << "0.3 s";
+  EXPECT_TRUE(hoist.has_fault(Fault::control_fault));
+}
+
 TEST(Runaway, H1OnlyAnEngineerGivesTheSupplyBack) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
@@ -156,8 +172,8 @@ TEST(Runaway, H1WhatHandsAndSlopesDoIsNoRunaway) {
     const char* name;
     double wheel_m_s, current_a;
   };
-  for (const Push& push :
-       {Push{"pushed quickly, with a current sensor that is off", 1.2, 0.9}, Push{"pushed back", -1.2, -0.9}, Push{"braking", 0.6, -12}}) {
+  for (const Push& push : {Push{"pushed quickly, with a current sensor that is off", 1.2, 0.9}, Push{"pushed back", -1.2, -0.9},
+                           Push{"pushed until it feeds the supply", 0.75, -12}}) {
     for (const Mode mode : {Mode::standby, Mode::calibrate}) {
       SCOPED_TRACE(push.name);
       ScriptedHoist hoist;
