@@ -121,6 +121,7 @@ class Plant {
   [[nodiscard]] double chassis_beta_rad() const { return roll_rad_; }
   /// External push of the frame, forward and as a torque to the left, added to the springs.
   void set_shove(double forward_n, double turn_n_m) { shove_n_ = forward_n, shove_n_m_ = turn_n_m; }
+  [[nodiscard]] HarnessForce shove() const { return {shove_n_, 0.0, shove_n_m_}; }
   /// An object jams the wheel: it turns only as far as the motor overcomes the jam.
   void block_wheel(Side side, bool blocked) { blocked_[index(side)] = blocked; }
   /// Two transistors of a bridge are shorted: its motor gets this share of the supply, independent of the board. The board still controls

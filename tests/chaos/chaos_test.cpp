@@ -11,6 +11,7 @@
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/faults.hpp"
 #include "control/core/serve/param_keeper.hpp"
+#include "firmware/sim/patient_family.hpp"
 #include "tests/chaos/session.hpp"
 #include "tests/chaos/shrink.hpp"
 #include "tests/support/seeds.hpp"
@@ -45,12 +46,26 @@ TEST(Chaos, WhateverBreaksWhatMustHoldHolds) {
 
 TEST(Chaos, WithoutFaultsOnlyTheTherapistStopsTheHoist) {
   for (std::uint64_t seed = 1; seed <= kSessions / 2; ++seed) {
-    SessionOptions options{.seed = seed, .faults_max = 0};
+    SessionOptions options{.seed = seed, .faults_max = 0, .patient = std::string(kEvenPatient)};
     const SessionReport report = run_session(options);
     EXPECT_TRUE(report.broken.empty()) << list(report);
     EXPECT_EQ(report.false_stops, 0);
     EXPECT_EQ(report.unasked[static_cast<std::size_t>(Mode::user)], 0);
   }
+}
+
+// A body that leans far, freezes or does not step ends its walk; nothing else does.
+TEST(Chaos, UnevenPatientsAreStoppedOnlyForWhatTheyDo) {
+  std::uint64_t seed = 1;
+  double walked_s = 0;
+  for (const sim::FamilyMember& member : sim::kPatientFamily) {
+    const SessionReport report =
+        run_session({.seed = seed++, .length_s = 60, .faults_max = 0, .patient = std::string(member.name), .storage = false});
+    EXPECT_EQ(report.patient, member.name);
+    EXPECT_TRUE(report.broken.empty()) << member.name << "\n" << list(report);
+    walked_s += report.walked_s;
+  }
+  EXPECT_GT(walked_s, 25.0 * static_cast<double>(sim::kPatientFamily.size()));
 }
 
 // H21, H24, H26 (I12).
@@ -377,6 +392,7 @@ TEST(ChaosShrink, WhatIsPrintedIsTheSessionAgain) {
   options.faults = std::vector<Fault>{{Kind::bumper, contract::Node::io, 20.0, 20.5, 0.1}};
   for (const bool unmoved : {false, true}) {
     options.only_walk = options.outside_only = unmoved;
+    options.patient = unmoved ? "stroke" : kEvenPatient;
     const auto read = read_replay(replay_words(options));
     ASSERT_TRUE(read.has_value());
     EXPECT_EQ(read->seed, options.seed);
@@ -385,10 +401,11 @@ TEST(ChaosShrink, WhatIsPrintedIsTheSessionAgain) {
     EXPECT_EQ(read->link_jitter_s, options.link_jitter_s);
     EXPECT_EQ(read->only_walk, unmoved);
     EXPECT_EQ(read->outside_only, unmoved);
+    EXPECT_EQ(patient_of(*read), *options.patient);
     EXPECT_EQ(faults_text(*read->faults), faults_text(*options.faults));
   }
-  for (const char* wrong :
-       {"", "--seed 1", "--seed 1 --faults nonsense", "--seed x --faults bumper::1:2:0.5", "--lost 0.1 --seed 1", "--seed"})
+  for (const char* wrong : {"", "--seed 1", "--seed 1 --faults nonsense", "--seed x --faults bumper::1:2:0.5", "--lost 0.1 --seed 1",
+                            "--seed", "--patient nobody --faults -"})
     EXPECT_FALSE(read_replay(wrong).has_value()) << wrong;
 }
 

@@ -68,6 +68,12 @@ enum class Kind : std::uint8_t {
   clock_jump,
   battery_weak,
   skid,
+  fall_aside,
+  faint,
+  shove,
+  held,
+  battery_full,
+  bridges_shorted,
   count
 };
 
@@ -137,6 +143,12 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::clock_jump, "clock_jump", Target::nothing, true, true},
     KindInfo{Kind::battery_weak, "battery_weak", Target::nothing, false, false},
     KindInfo{Kind::skid, "skid", Target::nothing, false, false},
+    KindInfo{Kind::fall_aside, "fall_aside", Target::nothing, false, false},
+    KindInfo{Kind::faint, "faint", Target::nothing, false, false},
+    KindInfo{Kind::shove, "shove", Target::nothing, false, false},
+    KindInfo{Kind::held, "held", Target::nothing, false, false},
+    KindInfo{Kind::battery_full, "battery_full", Target::nothing, false, false},
+    KindInfo{Kind::bridges_shorted, "bridges_shorted", Target::nothing, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {
@@ -152,7 +164,10 @@ struct Fault {
   double size{};  // 0 to 1, what it means depends on the kind
 };
 
-/// Up to `most` faults of one session, by its seed. `outside_only`: only faults that must not affect patient-led walking.
+/// Kinds from here on are drawn from a stream of their own: the rest of a seed's plan is what it was without them.
+inline constexpr Kind kFirstLater = Kind::fall_aside;
+
+/// Up to `most` faults of one session, by its seed, and one more of the later kinds. `outside_only`: only faults that must not affect patient-led walking.
 [[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
 
 /// "unplug:io:12.5:14:0.3,bumper::20:21:0.9", as --faults takes it and the file of kept sessions holds it. "-" is no fault at all.

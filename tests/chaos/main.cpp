@@ -9,10 +9,12 @@
 #include <fstream>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "control/contract/faults.hpp"
+#include "firmware/sim/patient_family.hpp"
 #include "tests/chaos/session.hpp"
 #include "tests/chaos/shrink.hpp"
 
@@ -37,6 +39,7 @@ void usage(std::FILE* to) {
       "  --jitter S      driving commands come up to S seconds later\n"
       "  --unmoved       a patient who leads must not feel what breaks around server, network, disk, clock: each session twice (I12)\n"
       "  --faults LIST   one session with these faults instead of the seed's own, with its story\n"
+      "  --patient NAME  who walks in each session, of hoist-sim's family; even: one whose steps are all alike (default: by the seed)\n"
       "  --story         tell what happens in each session\n"
       "  --hashes        print the hash of each second: equal on every machine, compiler and run\n"
       "  --state FILE    a run that was ended goes on where this file says; it is written again and again\n"
@@ -57,12 +60,28 @@ bool number(const char* text, double& value) {
   return text != nullptr && end != text && *end == '\0' && value >= 0.0;
 }
 
+// The last one is the even patient.
+constexpr std::size_t kPatients = hoist::sim::kPatientFamily.size() + 1;
+std::string_view patient_name(std::size_t place) {
+  return place + 1 == kPatients ? hoist::chaos::kEvenPatient : hoist::sim::kPatientFamily[place].name;
+}
+std::size_t place_of(std::string_view patient) {
+  std::size_t place = 0;
+  while (place + 1 < kPatients && patient_name(place) != patient) ++place;
+  return place;
+}
+
 struct Totals {
   std::uint64_t done = 0, bad = 0, digest = 0, samples = 0;
   double walked_s = 0, distance_m = 0;
   std::uint64_t starts = 0, stops = 0, false_stops = 0;
   std::array<double, hoist::chaos::kModeCount> moved_s{};
   std::array<std::uint64_t, hoist::chaos::kModeCount> unasked{};
+  struct Walks {
+    double moved_s = 0;
+    std::uint64_t unasked = 0;
+  };
+  std::array<Walks, kPatients> by_patient{};
 
   void add(const SessionReport& report) {
     ++done;
@@ -77,15 +96,18 @@ struct Totals {
     for (std::size_t mode = 0; mode < moved_s.size(); ++mode) {
       moved_s[mode] += report.moved_s[mode];
       unasked[mode] += static_cast<std::uint64_t>(report.unasked[mode]);
+      by_patient[place_of(report.patient)].unasked += static_cast<std::uint64_t>(report.unasked[mode]);
     }
+    by_patient[place_of(report.patient)].moved_s += report.walked_s;
   }
 };
 
 // The run of a file, so that files of different runs are never added up.
 std::string run_name(const SessionOptions& options, bool unmoved, std::uint64_t seed) {
-  char text[160];
-  std::snprintf(text, sizeof text, "seed=%llu length=%g faults=%d loss=%g jitter=%g unmoved=%d", static_cast<unsigned long long>(seed),
-                options.length_s, options.faults_max, options.frame_loss, options.link_jitter_s, unmoved ? 1 : 0);
+  char text[200];
+  std::snprintf(text, sizeof text, "seed=%llu length=%g faults=%d loss=%g jitter=%g unmoved=%d patient=%s",
+                static_cast<unsigned long long>(seed), options.length_s, options.faults_max, options.frame_loss, options.link_jitter_s,
+                unmoved ? 1 : 0, options.patient ? options.patient->c_str() : "seed");
   return text;
 }
 bool load(const std::string& file, const std::string& name, Totals& totals) {
@@ -96,6 +118,7 @@ bool load(const std::string& file, const std::string& name, Totals& totals) {
   Totals t;
   in >> t.done >> t.bad >> t.digest >> t.samples >> t.walked_s >> t.distance_m >> t.starts >> t.stops >> t.false_stops;
   for (std::size_t mode = 0; mode < t.moved_s.size(); ++mode) in >> t.moved_s[mode] >> t.unasked[mode];
+  for (Totals::Walks& walks : t.by_patient) in >> walks.moved_s >> walks.unasked;
   if (!in || known != name) return false;
   totals = t;
   return true;
@@ -109,6 +132,7 @@ void save(const std::string& file, const std::string& name, const Totals& t) {
         << t.done << ' ' << t.bad << ' ' << t.digest << ' ' << t.samples << ' ' << t.walked_s << ' ' << t.distance_m << ' ' << t.starts
         << ' ' << t.stops << ' ' << t.false_stops;
     for (std::size_t mode = 0; mode < t.moved_s.size(); ++mode) out << ' ' << t.moved_s[mode] << ' ' << t.unasked[mode];
+    for (const Totals::Walks& walks : t.by_patient) out << ' ' << walks.moved_s << ' ' << walks.unasked;
     out << '\n';
   }
   (void)std::rename(fresh.c_str(), file.c_str());
@@ -140,6 +164,10 @@ int main(int argc, char** argv) {
       quiet = true;
     } else if (word == "--state" && next != nullptr) {
       state = argv[++i];
+    } else if (word == "--patient" && next != nullptr) {
+      options.patient = argv[++i];
+      if (*options.patient != hoist::chaos::kEvenPatient && hoist::sim::find_patient(*options.patient) == nullptr)
+        return refuse("--patient: there is no " + *options.patient);
     } else if (word == "--faults" && next != nullptr) {
       options.faults = hoist::chaos::read_faults(argv[++i]);
       if (!options.faults) return refuse("--faults: kind:node:start:end:size, with commas in between, not " + std::string(argv[i]));
@@ -231,6 +259,13 @@ int main(int argc, char** argv) {
     const double hours = totals.moved_s[mode] / 3600;
     std::printf("%-7s %7.2f h in motion, %llu unasked stops, %.2f an hour\n", std::string(hoist::contract::kModes[mode].name).c_str(),
                 hours, static_cast<unsigned long long>(totals.unasked[mode]), static_cast<double>(totals.unasked[mode]) / hours);
+  }
+  for (std::size_t place = 0; place < kPatients; ++place) {
+    const Totals::Walks& walks = totals.by_patient[place];
+    if (walks.moved_s <= 0) continue;
+    const double hours = walks.moved_s / 3600;
+    std::printf("%-10s %7.2f h in motion, %llu unasked stops, %.2f an hour\n", std::string(patient_name(place)).c_str(), hours,
+                static_cast<unsigned long long>(walks.unasked), static_cast<double>(walks.unasked) / hours);
   }
   std::printf("%llu passed, %llu failed, 0 skipped\n", static_cast<unsigned long long>(totals.done - totals.bad),
               static_cast<unsigned long long>(totals.bad));

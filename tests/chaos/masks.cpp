@@ -60,7 +60,8 @@ MaskResult run_masked(contract::Fault fault, std::uint64_t first, std::uint64_t 
   result.sessions = std::min(found + 1, most);
   if (result.found) {
     const double length_s = std::max(15.0, std::ceil(result.found->broken_s + 1.0));
-    result.replay = replay_words({.seed = result.found->seed, .length_s = length_s, .faults = result.found->faults});
+    result.replay =
+        replay_words({.seed = result.found->seed, .length_s = length_s, .faults = result.found->faults, .patient = result.found->patient});
   }
   return result;
 }

@@ -15,6 +15,7 @@
 #include "control/contract/signals.hpp"
 #include "control/core/supervise/supervisor.hpp"
 #include "firmware/nodes/tilt/tilt_node.hpp"
+#include "firmware/sim/patient_family.hpp"
 #include "tests/chaos/judge/watch.hpp"
 #include "tests/chaos/storage.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -31,7 +32,8 @@ using contract::TickRecord;
 
 // Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
-                        kStorageStream = 8, kDefianceStream = 10;
+                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11;
+constexpr double kUnevenShare = 0.5;    // of the sessions: walked by one of the family
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
 constexpr double kMending_s = 1e-3 * firmware::kTiltStart_ms + 2.0 + 1.0 + 1.0;
@@ -56,6 +58,7 @@ class Session {
         watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
     report_.seed = options.seed;
     report_.faults = faults_;
+    report_.patient = patient_of(options);
     report_.length_s = options.length_s;
     report_.hashes.reserve(static_cast<std::size_t>(options.length_s) + 20);
     const bool frames_fail = options_.frame_loss > 0 || planned(Kind::drop) || planned(Kind::corrupt) || planned(Kind::delay) ||
@@ -142,6 +145,10 @@ class Session {
     o.world.seed = dice.next();
     o.world.patient = sim::PatientParams::random(dice.next());
     o.world.patient.wish_m_s = dice.between(0.2, 0.6);
+    if (const sim::FamilyMember* member = sim::find_patient(patient_of(options_))) {
+      o.world.patient = member->params;
+      o.world.patient.variation.seed = options_.seed;
+    }
     o.world.patient.yields_after_s = sim::PatientParams::kStubborn_s;
     o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(4))];
     if (options_.only_walk) o.world.scenario = &sim::kScenarios[static_cast<std::size_t>(dice.below(2))];
@@ -211,9 +218,25 @@ class Session {
       case Kind::encoder_lost:
       case Kind::encoder_reversed:
         return 2;
+      case Kind::shove:
+      case Kind::held:
+        return 3;
+      case Kind::battery:
+      case Kind::battery_full:
+        return 4;
+      case Kind::bridge_shorted:
+      case Kind::bridges_shorted:
+        return 5;
       default:
         return 0;
     }
+  }
+
+  // Full or half duty, ahead or back, both wheels the same way or against each other.
+  static double both_duty(double size, sim::Side side) {
+    const int which = std::min(static_cast<int>(size * 8.0), 7);
+    const double duty_norm = (which & 1) != 0 ? 1.0 : 0.5, way = (which & 2) != 0 ? 1.0 : -1.0;
+    return duty_norm * way * ((which & 4) != 0 && side == sim::Side::right ? -1.0 : 1.0);
   }
 
   void apply(Planned& row, bool on) {
@@ -272,8 +295,31 @@ class Session {
       case Kind::collapse:
         if (on) world.patient().collapse();
         break;
+      case Kind::fall_aside:  // to any side, as over a slipped foot
+        if (on) world.patient().trip((2.0 * f.size - 1.0) * sim::kPi);
+        break;
+      case Kind::faint:
+        if (on) world.patient().collapse((2.0 * f.size - 1.0) * sim::kPi);
+        break;
       case Kind::hang:
         if (on) world.patient().hang();
+        break;
+      case Kind::shove: {  // hands at the frame: up to 120 N and 25 N m, in any direction
+        const double way_rad = 2.0 * sim::kPi * f.size;
+        world.plant().set_shove(on ? 120.0 * std::cos(way_rad) : 0.0, on ? 25.0 * std::sin(way_rad) : 0.0);
+        break;
+      }
+      case Kind::held:
+        if (!on) world.plant().set_shove(0.0, 0.0);
+        break;
+      case Kind::battery_full:
+        // What braking gives back to a battery that takes no more, or a charger that fails: 32.6 to 36 V; the drives bear 32. From 30 V on they
+        // brake less, see README.md.
+        world.plant().force_battery(on ? std::optional<double>(32.6 + 3.4 * f.size) : std::nullopt);
+        break;
+      case Kind::bridges_shorted:
+        for (const sim::Side wheel : {sim::Side::left, sim::Side::right})
+          world.plant().short_bridge(wheel, on ? std::optional<double>(both_duty(f.size, wheel)) : std::nullopt);
         break;
       case Kind::battery:
         world.plant().force_battery(on ? std::optional<double>(18.0 + 6.0 * f.size) : std::nullopt);
@@ -376,10 +422,12 @@ class Session {
         break;  // acts in each step, or on each frame
     }
     apply_to_storage(f, on);
-    // A sensor or an encoder has one defect at a time: the other one goes on.
+    // A part has one defect at a time: the other one goes on. Of the older kinds only sensors and encoders, or old seeds would change.
     if (const int part = one_at_a_time(f.kind); !on && part != 0)
-      for (Planned& other : board_.rows)
-        if (other.on && other.fault.node == f.node && one_at_a_time(other.fault.kind) == part) return apply(other, true);
+      for (Planned& other : board_.rows) {
+        if (!other.on || one_at_a_time(other.fault.kind) != part) continue;
+        if (part <= 2 ? other.fault.node == f.node : std::max(f.kind, other.fault.kind) >= kFirstLater) return apply(other, true);
+      }
     // A held drive command must end by itself when link or server fail.
     const bool cuts = f.kind == Kind::server_hang || f.kind == Kind::server_crash || f.kind == Kind::link_loss ||
                       f.kind == Kind::link_stall || f.kind == Kind::tab_freeze;
@@ -418,6 +466,14 @@ class Session {
         for (const CanFrame& frame : echoes_) (void)world.foreign_send(frame);
         echoes_.clear();
         break;
+      case Kind::held: {
+        // Arms that give way like a damper, up to 150 N and 40 N m: 60 kg and 8 kg m2 are slowed within two steps.
+        const sim::PlatformMotion& at = world.plant().platform();
+        const double most_n = 30.0 + 120.0 * f.size, most_n_m = 10.0 + 30.0 * f.size;
+        world.plant().set_shove(std::clamp(-3000.0 * at.speed_m_s, -most_n, most_n),
+                                std::clamp(-400.0 * at.yaw_rate_rad_s, -most_n_m, most_n_m));
+        break;
+      }
       case Kind::core_late:
         if (fault_dice_.chance(0.1)) loop_.be_late(0.04 * fault_dice_.norm());
         break;
@@ -547,7 +603,8 @@ class Session {
 
   // Causes that acknowledgement cannot clear: a patient on the floor, a post against a bumper.
   [[nodiscard]] bool hopeless() {
-    return board_.ever(Kind::trip) || board_.ever(Kind::collapse) || board_.ever(Kind::hang) || loop_.world().plant().bumpers() != 0;
+    return board_.ever(Kind::trip) || board_.ever(Kind::collapse) || board_.ever(Kind::hang) || board_.ever(Kind::fall_aside) ||
+           board_.ever(Kind::faint) || loop_.world().plant().bumpers() != 0;
   }
 
   void see(const core::TickInputs& inputs) {
@@ -753,12 +810,20 @@ class Session {
 
 }  // namespace
 
+std::string patient_of(const SessionOptions& options) {
+  if (options.patient) return *options.patient;
+  Dice dice(options.seed, kPatientStream);
+  if (options.faults || !dice.chance(kUnevenShare)) return std::string(kEvenPatient);
+  return std::string(sim::kPatientFamily[static_cast<std::size_t>(dice.below(static_cast<int>(sim::kPatientFamily.size())))].name);
+}
+
 SessionReport run_session(const SessionOptions& options) { return Session(options).run(); }
 
 SessionReport run_unmoved(const SessionOptions& options) {
   SessionOptions with = options, without = options;
   with.only_walk = without.only_walk = true;
   with.outside_only = true;
+  with.patient = without.patient = patient_of(options);
   without.faults = std::vector<Fault>{};
   SessionReport report = run_session(with);
   const SessionReport plain = run_session(without);

@@ -6,6 +6,9 @@
 
 namespace hoist::chaos {
 
+/// Who walks in this session: by options.patient, or the seed.
+[[nodiscard]] std::string patient_of(const SessionOptions& options);
+
 SessionReport run_session(const SessionOptions& options);
 
 /// I12: the same walk with and without faults of server, network, disk, clock and other clients. Violated when any drive command differs.

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "firmware/sim/patient_family.hpp"
+
 namespace hoist::chaos {
 namespace {
 
@@ -26,6 +28,7 @@ SessionOptions shrink(const SessionOptions& options, const SessionReport& report
   SessionOptions best = options;
   best.tell = false;
   best.faults = report.faults;
+  best.patient = report.patient;
   const std::string wanted = promise(report);
   int runs = 0;
   const auto breaks = [&](const SessionOptions& tried, SessionReport& found) {
@@ -82,6 +85,7 @@ std::string replay_words(const SessionOptions& options) {
   text.precision(10);
   if (options.frame_loss != 0) text << " --loss " << options.frame_loss;
   if (options.link_jitter_s != 0) text << " --jitter " << options.link_jitter_s;
+  if (const std::string patient = patient_of(options); patient != kEvenPatient) text << " --patient " << patient;
   text << " --faults ";
   return text.str() + faults_text(options.faults ? *options.faults
                                                  : plan_faults(options.seed, options.faults_max, options.length_s, options.outside_only));
@@ -105,6 +109,8 @@ std::optional<SessionOptions> read_replay(const std::string& words) {
     if (word == "--faults") {
       options.faults = read_faults(value);
       if (!options.faults) return std::nullopt;
+    } else if (word == "--patient" && sim::find_patient(value) != nullptr) {
+      options.patient = value;
     } else if (word == "--seed" && number(value, seed)) {
       options.seed = static_cast<std::uint64_t>(seed);
     } else if (!(word == "--length" && number(value, options.length_s)) && !(word == "--loss" && number(value, options.frame_loss)) &&

@@ -20,6 +20,8 @@ class Board {
   [[nodiscard]] bool now(Kind kind) const;
   [[nodiscard]] bool now(Kind kind, contract::Node node) const;
   [[nodiscard]] bool ever(Kind kind) const;
+  /// The bridge of this drive is shorted, alone or with the other one.
+  [[nodiscard]] bool shorted(contract::Node drive) const { return now(Kind::bridge_shorted, drive) || now(Kind::bridges_shorted); }
   [[nodiscard]] bool any_yet() const;
   /// A fault that may affect a walking patient (not server, network, disk, clock) is active, or ended less than `quiet_s` ago; of the latter
   /// only with `lasting` those whose effect outlives them.

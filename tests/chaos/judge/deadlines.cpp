@@ -86,6 +86,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::late, "I1: a late step is not found within 40 ms", 0.0, any(HoistFault::loop_overrun), 1.0},
     RuleInfo{Rule::chain_open, "I1: the emergency stop is not seen within 30 ms", 0.03 + kLook_s, any(HoistFault::emergency_stop), 0.7},
     RuleInfo{Rule::unpowered, "I1: motors without power are not told of within 1.2 s", 1.2, any(HoistFault::emergency_stop), 0.7},
+    RuleInfo{Rule::over_voltage, "I1: a supply above 32.5 V is not found within 100 ms", 0.1 + kLook_s, kDrives | kBus, 0.7, true},
     RuleInfo{Rule::slipping, "I1: wheels that slip are not found within 1.2 s", 1.5, any(HoistFault::wheel_slip), 0.5, true},
 };
 static_assert([] {
@@ -152,6 +153,12 @@ constexpr std::array kJudged{
     Judged{Kind::clock_jump, kOutside},
     Judged{Kind::battery_weak, "uneven"},
     Judged{Kind::skid, "slipping"},
+    Judged{Kind::fall_aside, "falling, lying"},
+    Judged{Kind::faint, "falling, lying, dragged"},
+    Judged{Kind::shove, "beside its command; rest"},
+    Judged{Kind::held, "beside its command; rest"},
+    Judged{Kind::battery_full, "over voltage"},
+    Judged{Kind::bridges_shorted, "runaway; beside its command"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)
@@ -226,7 +233,7 @@ void Deadlines::see(const Truth& truth) {
   for (const Node drive : {Node::drive_left, Node::drive_right}) {
     if (board_.now(Kind::freeze, drive)) frozen_s_ = seen_s_;
     if (board_.now(Kind::wheel_blocked, drive)) blocked_s_ = seen_s_;
-    if (board_.now(Kind::bridge_shorted, drive) && plant.supply_v() > 1.0) short_s_ = seen_s_;
+    if (board_.shorted(drive) && plant.supply_v() > 1.0) short_s_ = seen_s_;
     if (board_.now(Kind::encoder_lost, drive) || board_.now(Kind::encoder_reversed, drive)) blind_s_ = seen_s_;
   }
   // Sideways: a step swings the bar back by 8 mm and more.
@@ -236,6 +243,17 @@ void Deadlines::see(const Truth& truth) {
     to_left_ = !to_left_;
     farthest_m_ = -out_m;
     swung_s_ = seen_s_;
+  }
+  // Of a step the sensors' filter shows three quarters.
+  constexpr double kStep_m = 0.008, kStepless_s = 1.8;
+  const double stepped_m = step_left_ ? truth.side_m : -truth.side_m;
+  step_farthest_m_ = std::max(step_farthest_m_, stepped_m);
+  drawn_s_ = std::fabs(truth.speed_m_s) > 0.09 ? drawn_s_ + kStep_s : 0;
+  if (drawn_s_ > kStepless_s) stepless_s_ = seen_s_;
+  if (step_farthest_m_ - stepped_m > kStep_m) {
+    step_left_ = !step_left_;
+    step_farthest_m_ = -stepped_m;
+    drawn_s_ = 0;
   }
   const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
   if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
@@ -281,7 +299,7 @@ void Deadlines::take_runaway(const Truth& truth) {
   const bool unfed = !ears_.bus_up() || silent(Node::io);
   for (const Node drive : {Node::drive_left, Node::drive_right}) {
     const std::size_t side = drive == Node::drive_left ? 0 : 1;
-    const bool away = !moves(mode_) && board_.now(Kind::bridge_shorted, drive) && std::fabs(truth.wheel_m_s[side]) > 0.05;
+    const bool away = !moves(mode_) && board_.shorted(drive) && std::fabs(truth.wheel_m_s[side]) > 0.05;
     if (!away) {
       away_s_[side] = 0;
       unfed_left_s_[side] = kRelayAlone_s;
@@ -445,6 +463,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       return plant.supply_v() < 1.0 && world_.relay_closed() && !plant.emergency_stop() && ears_.age(Node::io) <= 1 &&
              ears_.battery_age() < kTold_steps && ears_.battery_v(0) + ears_.battery_v(1) > 20.5 && ears_.age(Node::drive_left) <= 1 &&
              ears_.age(Node::drive_right) <= 1;
+    case Rule::over_voltage:
+      return moving && plant.supply_v() > 32.5 && ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1;
     case Rule::slipping: {
       const double wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
       return moving && drives_follow() && std::fabs(wheels_rad_s - truth.yaw_rate_rad_s) > 0.2 && ears_.rates_age() <= 1 &&
@@ -520,8 +540,9 @@ bool Deadlines::comes_free() const { return seen_s_ - blocked_s_ < kRollsOut_s; 
 bool Deadlines::explained(HoistFault cause) const {
   constexpr double kLately_s = 5.0;
   switch (cause) {
-    case HoistFault::fall_detected:
     case HoistFault::patient_hanging:
+      return seen_s_ - std::max(leant_s_, stepless_s_) < kLately_s;
+    case HoistFault::fall_detected:
       return seen_s_ - leant_s_ < kLately_s;
     case HoistFault::bumper_pressed:
       return seen_s_ - touch_s_ < kLately_s;

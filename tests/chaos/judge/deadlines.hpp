@@ -51,6 +51,7 @@ enum class Rule : std::uint8_t {
   late,
   chain_open,
   unpowered,
+  over_voltage,
   slipping,
   count
 };
@@ -141,6 +142,9 @@ class Deadlines {
   bool throws_forward_ = false;
   double farthest_m_ = 0, swung_s_ = 0;  // sideways sway of the bar
   bool to_left_ = true;
+  // The same with swings of a step, while it rolls. The alarm's own limits are 6 mm, 2 s and 0.1 m/s.
+  double step_farthest_m_ = 0, drawn_s_ = 0, stepless_s_ = -100;
+  bool step_left_ = true;
   double follow_s_ = 0;  // how long both drives have followed
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};

@@ -18,6 +18,7 @@ struct SessionReport {
   std::vector<std::uint64_t> hashes;  // of everything so far, at the end of each second
   std::uint64_t motion = 0;           // digest of the drive commands alone
   std::vector<Fault> faults;          // as they were planned
+  std::string patient;                // patient_of()
   double length_s = 0;
   double walked_s = 0;                       // time in which the wheels might move
   std::array<double, kModeCount> moved_s{};  // of that, by mode
