@@ -24,7 +24,7 @@ inline constexpr std::string_view kLap =
     "eine Übung; ein Gang, begonnen an seiner Marke oder an einer eindeutigen Stelle der Übung; höchstens 0,5 s fehlen; eine Runde "
     "gegangen";
 inline constexpr std::string_view kStride = "8 gleichmäßige Doppelschritte; Schwanken ab 2 mm, quadratisches Mittel; A(T) ab 0,3 A(0)";
-inline constexpr std::string_view kSmooth = "ein Gehabschnitt; der längste dauert höchstens 600 s";
+inline constexpr std::string_view kSmooth = "eine Gehphase; die längste dauert höchstens 600 s";
 inline constexpr std::string_view kCounted = "höchstens 0,5 s fehlen";
 inline constexpr std::string_view kTurns =
     "Drehungen: Drehrate (Richtung über 0,5 s) über 1 °/s in einer Richtung, unter 0,3 s überbrückt, mit einer Spitze über 15 °/s und mehr "

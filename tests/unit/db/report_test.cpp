@@ -199,6 +199,7 @@ TEST(Report, BothLanguagesAreWhole) {
     EXPECT_NE(en.find("<td>" + std::string(figure.title_en) + "</td>"), std::string::npos) << figure.key;
     EXPECT_NE(de.find("<td>" + std::string(figure.title_de) + "</td>"), std::string::npos) << figure.key;
   }
+  EXPECT_EQ(de.find("nglisch"), std::string::npos);
   for (const MetricInfo& figure : kMetrics) {
     const report::Definition german = report::definition(figure, true);
     // Formulas without words, such as "120 / T", are the same in both.
