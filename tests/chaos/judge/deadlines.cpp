@@ -227,6 +227,8 @@ void Deadlines::see(const Truth& truth) {
   if (truth.touches) touch_s_ = seen_s_;
   if (truth.lean_rad > 8.0 * kDegree_rad) leant_s_ = seen_s_;
   if (truth.chassis_rad > 4.0 * kDegree_rad) sloped_s_ = seen_s_;
+  // Half the difference of the struts; the alarm's limit is 25 degrees between them.
+  if (std::fabs(truth.turn_rad) > 0.9 * 12.5 * kDegree_rad) twisted_s_ = seen_s_;
   // The zero goes, or comes back.
   const bool off = board_.now(Kind::gyro_jump);
   if (std::exchange(zero_off_, off) != off) zero_s_ = seen_s_;
@@ -544,6 +546,8 @@ bool Deadlines::explained(HoistFault cause) const {
       return seen_s_ - std::max(leant_s_, stepless_s_) < kLately_s;
     case HoistFault::fall_detected:
       return seen_s_ - leant_s_ < kLately_s;
+    case HoistFault::tilt_implausible:
+      return seen_s_ - twisted_s_ < kLately_s;
     case HoistFault::bumper_pressed:
       return seen_s_ - touch_s_ < kLately_s;
     case HoistFault::base_tilted:

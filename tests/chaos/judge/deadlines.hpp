@@ -136,7 +136,7 @@ class Deadlines {
   std::array<double, 2> battery_v_{};  // both together, and their difference: over a second
   bool battery_known_ = false;
   double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
-         leant_s_ = -100, sloped_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
+         leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
   double coast_m_s_ = 0;  // what a wheel may still turn after a push
   bool zero_off_ = false;
   bool throws_forward_ = false;
