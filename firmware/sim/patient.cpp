@@ -75,20 +75,22 @@ constexpr double kUsualBend_per_m = 1.25;
 PatientParams PatientParams::random(std::uint64_t seed) {
   Random random(seed ^ 0x50617469656E74ULL);
   PatientParams p;
-  p.mass_kg = random.uniform(50.0, 100.0);
-  p.wish_m_s = random.uniform(0.20, 0.60);
-  p.leg_force_n = random.uniform(60.0, 80.0);
-  p.compensation_norm = random.uniform(0.7, 0.9);
-  p.drive_n_s_m = p.mass_kg * random.uniform(2.2, 3.2);
-  p.speed_lead_m_s = random.uniform(0.08, 0.14);
-  p.reaction_s = random.uniform(0.15, 0.35);
-  p.yaw_lag_s = random.uniform(0.2, 0.35);
-  p.look_ahead_m = random.uniform(0.6, 0.9);
-  p.foresight_s = random.uniform(0.3, 0.7);
-  p.sway_forward_m = random.uniform(0.008, 0.015);
-  p.sway_lateral_m = random.uniform(0.02, 0.04);
-  p.sway_yaw_rad = random.uniform(3.0, 7.0) * kDegree_rad;
-  p.stride_hz = random.uniform(0.38, 0.48);
+  const auto drawn = [&random](const PatientRange& range) { return random.uniform(range.least, range.most); };
+  const PatientRanges& usual = kUsualPatients;
+  p.mass_kg = drawn(usual.mass_kg);
+  p.wish_m_s = drawn(usual.wish_m_s);
+  p.leg_force_n = drawn(usual.leg_force_n);
+  p.compensation_norm = drawn(usual.compensation_norm);
+  p.drive_n_s_m = p.mass_kg * drawn(usual.drive_per_s);
+  p.speed_lead_m_s = drawn(usual.speed_lead_m_s);
+  p.reaction_s = drawn(usual.reaction_s);
+  p.yaw_lag_s = drawn(usual.yaw_lag_s);
+  p.look_ahead_m = drawn(usual.look_ahead_m);
+  p.foresight_s = drawn(usual.foresight_s);
+  p.sway_forward_m = drawn(usual.sway_forward_m);
+  p.sway_lateral_m = drawn(usual.sway_lateral_m);
+  p.sway_yaw_rad = drawn(usual.sway_yaw_deg) * kDegree_rad;
+  p.stride_hz = drawn(usual.stride_hz);
   return p;
 }
 
@@ -181,6 +183,7 @@ void Patient::evaluate_leading(const PlatformMotion& now) {
   const double opposed = uneven_.frozen() || uneven_.resting() ? 0.0 : opposed_by(now);
   opposed_s_ = opposed > 0.0 ? opposed_s_ + opposed * kThought_s : 0.0;
   distrusts_ = ignored_s_ > kIgnoredTime_s;
+  if (params_.always_leads) distrusts_ = false, opposed_s_ = 0.0;
   if (distrusts_ || opposed_s_ > params_.yields_after_s) {
     enter(PatientState::following);
   } else if (scenario_->trip_after_s > 0.0 && state_s_ >= scenario_->trip_after_s) {
@@ -230,7 +233,7 @@ void Patient::decide(const PatientSenses& senses) {
       begin_y_m_ = now.y_m;
       break;
     case PatientState::waiting:
-      if (std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) {
+      if (!params_.always_leads && std::hypot(now.x_m - begin_x_m_, now.y_m - begin_y_m_) > kMovedByItself_m) {
         distrusts_ = true;
         enter(PatientState::following);
       } else if (state_s_ >= kWaitsBeforeSettingOff_s && scenario_->figure != Figure::free) {

@@ -20,6 +20,29 @@
 
 namespace hoist::sim {
 
+/// Usual values of patients (assumed), from which random ones are drawn evenly.
+struct PatientRange {
+  double least{}, most{};
+};
+struct PatientRanges {
+  PatientRange mass_kg{50.0, 100.0};
+  PatientRange wish_m_s{0.20, 0.60};
+  PatientRange leg_force_n{60.0, 80.0};
+  PatientRange compensation_norm{0.7, 0.9};
+  PatientRange drive_per_s{2.2, 3.2};  ///< drive_n_s_m / mass_kg
+  PatientRange speed_lead_m_s{0.08, 0.14};
+  PatientRange reaction_s{0.15, 0.35};
+  PatientRange yaw_lag_s{0.2, 0.35};
+  PatientRange look_ahead_m{0.6, 0.9};
+  PatientRange foresight_s{0.3, 0.7};
+  PatientRange sway_forward_m{0.008, 0.015};
+  PatientRange sway_lateral_m{0.02, 0.04};
+  PatientRange sway_yaw_deg{3.0, 7.0};
+  PatientRange stride_hz{0.38, 0.48};
+  PatientRange reach_m{0.13, 0.20};  ///< not drawn: of full leans from 8 to 12 degrees (lean_for)
+};
+inline constexpr PatientRanges kUsualPatients{};
+
 struct PatientParams {
   double mass_kg{75.0};
   double wish_m_s{0.30};  ///< the speed this patient likes to walk
@@ -51,9 +74,17 @@ struct PatientParams {
   /// random sessions use those.
   double yields_after_s{1.0};
   static constexpr double kStubborn_s = 1e9;
+  /// Leads as long as the brakes are open, whatever the hoist does: for a hoist that moves as recorded (hoist twin).
+  bool always_leads{false};
 
   /// A random patient: every parameter drawn evenly from its usual range; the same seed gives the same person.
   [[nodiscard]] static PatientParams random(std::uint64_t seed);
+  /// Comfort and reach in a hoist that asks for this lean for full speed: three quarters of it are comfortable, and a sixth more than it can
+  /// be reached, short of the struts' stop.
+  void lean_for(double full_lean_m) {
+    comfort_m = 0.745 * full_lean_m;
+    reach_m = std::fmin(1.17 * full_lean_m, 0.20);
+  }
 };
 
 enum class PatientState : std::uint8_t { standing, waiting, leading, following, trying, tripping, collapsing, hanging };

@@ -13,6 +13,7 @@ int run_metrics(std::span<const std::string_view> arguments);
 int run_report(std::span<const std::string_view> arguments);
 int run_study(std::span<const std::string_view> arguments);
 int run_tune_advice(std::span<const std::string_view> arguments);
+int run_twin(std::span<const std::string_view> arguments);
 int run_verify(std::span<const std::string_view> arguments);
 int run_replay(std::span<const std::string_view> arguments);
 int run_archive(std::span<const std::string_view> arguments);
@@ -33,6 +34,7 @@ constexpr std::array kCommands = {
     Command{"report", "recorded sessions as pages for print: for a patient, for a clinician, several in one table", &run_report},
     Command{"study", "the paper's experiment: virtual subjects or recorded sessions, Tables II and III", &run_study},
     Command{"tune-advice", "settings suggested from how a patient stood and walked", &run_tune_advice},
+    Command{"twin", "a patient fitted to a session, and other parameters tried on it", &run_twin},
     Command{"verify", "run a session again and compare every field, bit for bit", &run_verify},
     Command{"replay", "run a session again with other parameters", &run_replay},
     Command{"archive", "an archive of several hoists in PostgreSQL: push, pull, list, verify", &run_archive},

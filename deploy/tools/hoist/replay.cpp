@@ -1,5 +1,4 @@
 // hoist replay: what the core would have done with other parameters, given what it was given.
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -8,6 +7,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/parameter_change.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 #include "deploy/tools/hoist/rerun.hpp"
 
@@ -26,25 +26,6 @@ void print_help(std::FILE* out) {
       "the "
       "wheels go on as they did then.\n",
       out);
-}
-
-/// NAME=VALUE; the sentence of the refusal is empty when it was taken.
-std::string parse_change(std::string_view text, std::vector<ParameterChange>& changes) {
-  const std::size_t equals = text.find('=');
-  const auto index = equals == std::string_view::npos ? std::nullopt : contract::find_param(text.substr(0, equals));
-  if (!index) return "--set needs the name of a parameter and its value, not " + std::string(text);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data() + equals + 1, end, value);
-  const contract::ParamInfo& info = contract::kParams[*index];
-  if (error != std::errc() || at != end || contract::check_param(*index, value) != contract::ParamCheck::ok) {
-    char sentence[200];
-    std::snprintf(sentence, sizeof sentence, "%s must be a number from %g to %g %s", std::string(info.name).c_str(), info.min, info.max,
-                  std::string(info.unit).c_str());
-    return sentence;
-  }
-  changes.emplace_back(*index, value);
-  return {};
 }
 
 struct CloseFile {

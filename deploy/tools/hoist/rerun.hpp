@@ -5,12 +5,11 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
 #include "db/store/session_reader.hpp"
+#include "deploy/tools/hoist/parameter_change.hpp"
 
 namespace hoist::tool {
 
@@ -26,8 +25,6 @@ struct RerunStep {
   bool same_bits = false;  ///< the whole record has the digest that hoist-control had published
   std::span<const std::int64_t> row, recorded;
 };
-
-using ParameterChange = std::pair<std::size_t, double>;  ///< index in contract::kParams, value
 
 struct RerunReport {
   std::uint64_t steps = 0;                     ///< run again

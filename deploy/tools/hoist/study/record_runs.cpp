@@ -25,25 +25,9 @@ std::string code_of(int subject) { return (subject < 10 ? "S0" : "S") + std::to_
 db::Result<db::SessionId> record(db::SessionWriter& writer, const Protocol& protocol, const VirtualRun& run, std::int64_t started_utc_ns) {
   db::SessionStart start;
   start.started_utc_ns = started_utc_ns;
-  start.start_time_ns = run.records.front().time_ns;
-  start.core_start_time_ns = 1;
-  start.simulated = true;
-  start.layout_hash = contract::layout_hash();
-  start.software_version = contract::program_version();
-  start.core_version = start.software_version;
   start.note = "run " + std::to_string(run.run) + (run.unfinished.empty() ? "" : ", unfinished: " + run.unfinished);
   start.exercise_json = db::exercise_json(contract::usual_exercise(protocol.find(run.run)->shape), db::ExerciseNames::stored).dump();
-  start.parameter_values = run.parameters;
-  const db::Result<db::SessionId> session = writer.begin(start);
-  if (!session) return session;
-  // More at once would wait in memory only.
-  for (std::size_t first = 0; first < run.records.size(); first += 1000) {
-    const std::size_t count = std::min<std::size_t>(1000, run.records.size() - first);
-    if (db::Status status = writer.append_ticks(std::span(run.records).subspan(first, count)); !status) return status.error();
-  }
-  const std::int64_t ended_utc_ns = start.started_utc_ns + static_cast<std::int64_t>(run.records.size()) * 10'000'000;
-  if (db::Status ended = writer.end(db::CloseReason::finished, ended_utc_ns); !ended) return ended.error();
-  return session;
+  return record_run(writer, run, std::move(start));
 }
 
 struct Planned {
@@ -60,6 +44,26 @@ std::vector<Planned> plan(const Protocol& protocol, const StudyRequest& request)
 }
 
 }  // namespace
+
+db::Result<db::SessionId> record_run(db::SessionWriter& writer, const VirtualRun& run, db::SessionStart start) {
+  start.start_time_ns = run.records.front().time_ns;
+  start.core_start_time_ns = 1;
+  start.simulated = true;
+  start.layout_hash = contract::layout_hash();
+  start.software_version = contract::program_version();
+  start.core_version = start.software_version;
+  start.parameter_values = run.parameters;
+  const db::Result<db::SessionId> session = writer.begin(start);
+  if (!session) return session;
+  // More at once would wait in memory only.
+  for (std::size_t first = 0; first < run.records.size(); first += 1000) {
+    const std::size_t count = std::min<std::size_t>(1000, run.records.size() - first);
+    if (db::Status status = writer.append_ticks(std::span(run.records).subspan(first, count)); !status) return status.error();
+  }
+  const std::int64_t ended_utc_ns = start.started_utc_ns + static_cast<std::int64_t>(run.records.size()) * 10'000'000;
+  if (db::Status ended = writer.end(db::CloseReason::finished, ended_utc_ns); !ended) return ended.error();
+  return session;
+}
 
 // One run is walked while the one before is stored: two threads.
 db::Result<db::StudyId> walk_all(db::Database& database, const Protocol& protocol, const StudyRequest& request) {

@@ -6,8 +6,10 @@
 
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
+#include "db/store/session_writer.hpp"
 #include "db/store/studies.hpp"
 #include "deploy/tools/hoist/study/protocol.hpp"
+#include "deploy/tools/hoist/study/virtual_run.hpp"
 
 namespace hoist::tool::study {
 
@@ -21,6 +23,9 @@ struct StudyRequest {
   std::int64_t begin_utc_ns = kUsualBegin_ns;
   std::function<void(int done, int all)> progress = {};  ///< after each run
 };
+
+/// One run as a session, and its number. `start` says date, note and exercise; the rest of it is of the run, which has records.
+[[nodiscard]] db::Result<db::SessionId> record_run(db::SessionWriter& writer, const VirtualRun& run, db::SessionStart start);
 
 /// Subjects 1 to `subjects`, each with the runs and the order of the protocol, as sessions of a new study of `database`; finish_study is the
 /// caller's. Uses two threads.

@@ -5,7 +5,6 @@
 
 #include "control/contract/params.hpp"
 #include "deploy/tools/hoist/study/therapist.hpp"
-#include "deploy/tools/loop/closed_loop.hpp"
 
 namespace hoist::tool::study {
 
@@ -35,10 +34,7 @@ sim::PatientParams person(const Protocol& protocol, const Run& run, int subject,
   p.wish_m_s = drawn(random, assumed.wish_m_s);
   p.anticipation_norm = drawn(random, assumed.anticipation_norm) + assumed.learning_norm * runs_done;
   p.trailing_s = assumed.trailing_s;
-  // Three quarters of the lean that asks for full speed are comfortable; the reach is a sixth more than it, short of the stop.
-  const double full_m = kStrut_m * std::tan(range_rad);
-  p.comfort_m = 0.745 * full_m;
-  p.reach_m = std::min(1.17 * full_m, 0.20);
+  p.lean_for(kStrut_m * std::tan(range_rad));
   if (run.injured) {
     p.limp_norm = assumed.limp_norm;
     for (double* sway : {&p.sway_forward_m, &p.sway_lateral_m, &p.sway_yaw_rad}) *sway *= assumed.injured_sway_norm;
@@ -48,12 +44,12 @@ sim::PatientParams person(const Protocol& protocol, const Run& run, int subject,
 
 class Runner {
  public:
-  Runner(const Protocol& protocol, const Run& run, const loop::ClosedLoopOptions& options, std::uint64_t therapist_seed)
-      : protocol_(protocol),
+  Runner(double laps, const Assumptions& assumed, const Run& run, const loop::ClosedLoopOptions& options, std::uint64_t therapist_seed)
+      : laps_(laps),
         run_(run),
         remote_(options.params.remote_speed_m_s_max, options.params.remote_yaw_rate_rad_s_max),
         loop_(options),
-        therapist_(protocol.assumed, loop_.world().patient().path(), therapist_seed) {}
+        therapist_(assumed, loop_.world().patient().path(), therapist_seed) {}
 
   void go(VirtualRun& out) {
     const contract::ReferencePath path = loop_.world().patient().path();
@@ -66,7 +62,7 @@ class Runner {
     loop_.on_step([&out](const core::TickInputs&, const core::TickOutputs& outputs) { out.records.push_back(outputs.record); });
     const Mode mode = run_.by_patient ? Mode::user : Mode::remote;
     if (!loop_.start(mode)) return stop(out, "motion was refused");
-    const double end_m = protocol_.laps * path.length_m() + kBeyond_m;
+    const double end_m = laps_ * path.length_m() + kBeyond_m;
     while (progress_m() < end_m && loop_.mode() == mode && static_cast<double>(out.records.size()) * core::kTick_s < kLongest_s) {
       if (!run_.by_patient) drive();
       loop_.step();
@@ -89,12 +85,18 @@ class Runner {
     loop_.hold_stick(std::clamp(stick.speed_m_s / remote_.first, -1.0, 1.0), std::clamp(stick.yaw_rate_rad_s / remote_.second, -1.0, 1.0));
   }
 
-  const Protocol& protocol_;
+  double laps_;
   Run run_;
   std::pair<double, double> remote_;
   loop::ClosedLoop loop_;
   Therapist therapist_;
 };
+
+VirtualRun begun(const contract::Params& params) {
+  VirtualRun out;
+  for (std::size_t i = 0; i < contract::kParams.size(); ++i) out.parameters.push_back(contract::get_param(params, i));
+  return out;
+}
 
 }  // namespace
 
@@ -106,11 +108,18 @@ VirtualRun walk(const Protocol& protocol, const Run& run, int subject, int runs_
   options.world.seed = mixed(seed, number, 100 + which);
   options.world.patient = person(protocol, run, subject, runs_done, seed, options.params.lean_range_rad);
   options.world.scenario = sim::find_scenario(run.shape == contract::ExerciseShape::square ? "square" : "figure-eight");
-  VirtualRun out;
+  VirtualRun out = begun(options.params);
   out.subject = subject;
   out.run = run.number;
-  for (std::size_t i = 0; i < contract::kParams.size(); ++i) out.parameters.push_back(contract::get_param(options.params, i));
-  Runner(protocol, run, options, mixed(seed, number, 200 + which)).go(out);
+  Runner(protocol.laps, protocol.assumed, run, options, mixed(seed, number, 200 + which)).go(out);
+  return out;
+}
+
+VirtualRun walk_led(const loop::ClosedLoopOptions& options, double laps) {
+  Run led;
+  led.by_patient = true;
+  VirtualRun out = begun(options.params);
+  Runner(laps, {}, led, options, 0).go(out);
   return out;
 }
 

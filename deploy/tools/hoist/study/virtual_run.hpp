@@ -7,6 +7,7 @@
 
 #include "control/contract/signals.hpp"
 #include "deploy/tools/hoist/study/protocol.hpp"
+#include "deploy/tools/loop/closed_loop.hpp"
 
 namespace hoist::tool::study {
 
@@ -19,6 +20,9 @@ struct VirtualRun {
 
 /// The same seed gives the same runs, independent of earlier ones. `runs_done`: by this subject in this study.
 [[nodiscard]] VirtualRun walk(const Protocol& protocol, const Run& run, int subject, int runs_done, std::uint64_t seed);
+
+/// One run led by the patient of these options, so many times along the exercise of their scenario.
+[[nodiscard]] VirtualRun walk_led(const loop::ClosedLoopOptions& options, double laps);
 
 /// The runs of a subject in the order in which they are done.
 [[nodiscard]] std::vector<Run> order_of(const Protocol& protocol, int subject, std::uint64_t seed);
