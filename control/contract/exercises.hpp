@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/check.hpp"
+#include "control/contract/own_line.hpp"
 #include "control/contract/reference_path.hpp"
 
 namespace hoist::contract {
@@ -91,23 +92,31 @@ static_assert(all_rows(kExerciseSizes,
   return nullptr;
 }
 
-/// One exercise. Sizes by role; one that the shape does not have, or that was left out, is 0.
-struct Exercise {
+/// Whether the hoist can drive it by itself: it has a line that follows from the sizes in a command.
+[[nodiscard]] constexpr bool drivable(ExerciseShape shape) { return shape != ExerciseShape::free && shape != ExerciseShape::own; }
+
+/// One exercise but for points. Sizes by role; one that the shape does not have, or that was left out, is 0.
+struct SizedExercise {
   using Shape = ExerciseShape;
   ExerciseShape shape = ExerciseShape::free;
   bool clockwise = false;  ///< the figure with left and right exchanged
   double size_m = 0;
   double radius_m = 0;
 };
-[[nodiscard]] constexpr double& size_of(Exercise& exercise, ExerciseRole role) {
+struct Exercise : SizedExercise {
+  OwnLine line = {};  ///< of the shape own
+};
+[[nodiscard]] constexpr double& size_of(SizedExercise& exercise, ExerciseRole role) {
   return role == ExerciseRole::size ? exercise.size_m : exercise.radius_m;
 }
-[[nodiscard]] constexpr double size_of(const Exercise& exercise, ExerciseRole role) {
+[[nodiscard]] constexpr double size_of(const SizedExercise& exercise, ExerciseRole role) {
   return role == ExerciseRole::size ? exercise.size_m : exercise.radius_m;
 }
+/// An own line for examples.
+inline constexpr OwnLine kUsualOwnLine{{{{0, 0}, {4, 0}, {4, 2}, {2, 3}, {0, 2}}}, 5, true};
 /// The shape with the sizes of its rows.
 [[nodiscard]] constexpr Exercise usual_exercise(ExerciseShape shape) {
-  Exercise exercise{shape, false, 0, 0};
+  Exercise exercise{{shape, false, 0, 0}, shape == ExerciseShape::own ? kUsualOwnLine : OwnLine{}};
   for (const ExerciseSize& row : kExerciseSizes)
     if (row.shape == shape) size_of(exercise, row.role) = row.usual_m;
   return exercise;
@@ -119,8 +128,8 @@ struct Exercise {
   return nullptr;
 }
 
-/// The line on the floor, in the figure's own frame. Not valid() for free walking and for sizes that make no figure.
-[[nodiscard]] inline ReferencePath figure_of(const Exercise& exercise) {
+/// The line on the floor, in the figure's own frame. Not valid() for free walking and own lines, and for sizes that make no figure.
+[[nodiscard]] inline ReferencePath figure_of(const SizedExercise& exercise) {
   const auto figure = [&exercise] {
     switch (exercise.shape) {
       case ExerciseShape::square:
@@ -134,12 +143,18 @@ struct Exercise {
         return ReferencePath::slalom(exercise.size_m);
       case ExerciseShape::straight:
         return ReferencePath::straight(exercise.size_m);
+      case ExerciseShape::own:
       case ExerciseShape::free:
         break;
     }
     return ReferencePath::straight(0.0);
   };
   return exercise.clockwise ? figure().mirrored() : figure();
+}
+/// The same, and of an own line as it was drawn.
+[[nodiscard]] inline ReferencePath figure_of(const Exercise& exercise) {
+  if (exercise.shape == ExerciseShape::own) return ReferencePath::own(exercise.line, exercise.radius_m);
+  return figure_of(static_cast<const SizedExercise&>(exercise));
 }
 
 }  // namespace hoist::contract

@@ -1,6 +1,7 @@
 // An exercise that the hoist drives by itself while the therapist holds (GUIDED): what may be asked for, and what is wrong with a wish that
 // may not. One definition for the core, which decides, and for the server, which tells the fields by name.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -15,8 +16,8 @@ namespace hoist::contract {
 
 using GuidedShape = ExerciseShape;
 
-/// Only forward: a patient who is led backward does not see where to. Not of the shape free. Turned clockwise, an eight begins with the left loop.
-struct GuidedPath : Exercise {
+/// Only forward: a patient who is led backward does not see where to. Only of a drivable shape. Turned clockwise, an eight begins with the left loop.
+struct GuidedPath : SizedExercise {
   double speed_m_s = 0.2;
   std::uint32_t laps = 1;
 };
@@ -75,8 +76,9 @@ struct GuidedProblems {
 [[nodiscard]] inline GuidedProblems check_guided(const GuidedPath& path, const GuidedLimits& limits) {
   GuidedProblems problems;
   const ExerciseInfo* info = find_exercise(path.shape);
-  if (info == nullptr || info->shape == ExerciseShape::free) {
-    problems.add(GuidedField::shape, static_cast<double>(path.shape), 1, static_cast<double>(kExercises.size() - 1));
+  if (info == nullptr || !drivable(info->shape)) {
+    constexpr auto kMost = std::ranges::count_if(kExercises, [](const ExerciseInfo& row) { return drivable(row.shape); });
+    problems.add(GuidedField::shape, static_cast<double>(path.shape), 1, static_cast<double>(kMost));
     return problems;
   }
   bool sized = true;

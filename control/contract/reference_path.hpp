@@ -7,6 +7,7 @@
 // straight: from the origin along +x; open. Figures are closed where nothing else is said.
 // circle: counter-clockwise from the origin, heading 0, about (0, R).
 // slalom: from the origin, heading 0, about four poles on a line parallel to x, the first one passed on its left; open.
+// own: along the points as they were drawn; open or closed.
 // A square may have round corners; it then begins in the middle of its first side. mirrored() turns any figure over to its right-hand twin.
 #pragma once
 
@@ -14,9 +15,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "control/contract/own_line.hpp"
+
 namespace hoist::contract {
 
-enum class PathShape : unsigned char { kSquare, kEight, kStraight, kCircle, kSlalom };
+enum class PathShape : unsigned char { kSquare, kEight, kStraight, kCircle, kSlalom, kOwn };
 
 /// A place on the figure. psi is not wrapped: it grows by a full turn with each lap of the square.
 struct PathPose {
@@ -37,7 +40,7 @@ inline constexpr double kSlalomCurve_norm = 0.57735026918962576;
 /// How far ahead the projection looks, so that the crossing of the eight is never jumped (D27).
 inline constexpr double kProjectionWindow_m = 0.5;
 
-/// A figure made of at most nine lines and arcs. Copyable, no heap, every function pure.
+/// A figure made of lines and arcs. Copyable, no heap, every function pure.
 class ReferencePath {
  public:
   /// Sizes must be finite and > 0; the eight also needs radius <= centre. Anything else gives a path with valid() false, whose length is
@@ -115,6 +118,32 @@ class ReferencePath {
     return path;
   }
 
+  /// Along the points. Corners are arcs of this radius, or of the largest below it that leaves both neighbours their half of a straight; below
+  /// kSharp_m, and with a radius of 0, they are sharp. A closed line whose first corner is round begins in the middle of its first straight.
+  [[nodiscard]] static ReferencePath own(const OwnLine& line, double corner_radius_m) {
+    ReferencePath path(PathShape::kOwn);
+    path.closed_ = line.closed;
+    if (!walkable(line) || !std::isfinite(corner_radius_m) || corner_radius_m < 0.0) return path;
+    const std::size_t edges = line.closed ? line.count : line.count - 1;
+    std::array<OwnCorner, kOwnPointsMost> corners{};
+    for (std::size_t i = line.closed ? 0 : 1; i < edges; ++i) corners[i] = own_corner(line, i, corner_radius_m);
+    const double heading_rad = own_heading_rad(line, 0);
+    const double first_m = corners[0].cut_m > 0.0 ? own_edge_m(line, 0) / 2.0 : 0.0;
+    path.start_ = {line.points[0].x_m + first_m * std::cos(heading_rad), line.points[0].y_m + first_m * std::sin(heading_rad), heading_rad,
+                   0.0};
+    for (std::size_t i = 0; i < edges; ++i) {
+      const OwnCorner& next = corners[(i + 1) % line.count];
+      path.add_straight(own_edge_m(line, i) - (i == 0 ? first_m : corners[i].cut_m) - next.cut_m);
+      const bool last = i + 1 == edges;
+      // A sharp corner at the start is turned at the begin of the next lap.
+      if (!(last && !(next.cut_m > 0.0))) path.turn_own(next);
+      path.lap_turn_rad_ += next.turn_rad;
+    }
+    if (first_m > 0.0) path.add_straight(first_m - corners[0].cut_m);
+    path.lap_turn_rad_ = line.closed ? std::round(path.lap_turn_rad_ / (2.0 * kHalf_rad)) * 2.0 * kHalf_rad : 0.0;
+    return path;
+  }
+
   /// The same figure with left and right exchanged.
   [[nodiscard]] ReferencePath mirrored() const {
     ReferencePath path = *this;
@@ -128,7 +157,7 @@ class ReferencePath {
   [[nodiscard]] PathShape shape() const { return shape_; }
   [[nodiscard]] bool valid() const { return count_ > 0; }
   /// Whether the end is the start again, so that it has laps.
-  [[nodiscard]] bool closed() const { return shape_ != PathShape::kStraight && shape_ != PathShape::kSlalom; }
+  [[nodiscard]] bool closed() const { return closed_; }
   /// Length of one lap, or of an open figure.
   [[nodiscard]] double length_m() const { return length_m_; }
 
@@ -201,7 +230,10 @@ class ReferencePath {
   static constexpr double kHalf_rad = 3.14159265358979323846;
   static constexpr double kQuarter_rad = kHalf_rad / 2.0;
   static constexpr double kSixth_rad = kHalf_rad / 3.0;
-  static constexpr std::size_t kSegmentLimit = 9;
+  /// Of an own line: a straight and an arc for each point, and the first straight once more.
+  static constexpr std::size_t kSegmentLimit = 2 * kOwnPointsMost + 1;
+  /// A corner of a smaller radius is sharp.
+  static constexpr double kSharp_m = 0.05;
   /// A place this close before a joint is on the joint, so that rounding does not decide which edge follows.
   static constexpr double kJoint_m = 1e-9;
 
@@ -251,7 +283,7 @@ class ReferencePath {
     double lap{};
   };
 
-  explicit ReferencePath(PathShape shape) : shape_(shape) {}
+  explicit ReferencePath(PathShape shape) : shape_(shape), closed_(shape != PathShape::kStraight && shape != PathShape::kSlalom) {}
 
   [[nodiscard]] static bool usable(double size_m) { return std::isfinite(size_m) && size_m > 0.0; }
 
@@ -277,6 +309,45 @@ class ReferencePath {
   void add_arc(double length_m, double kappa_per_m) { add(length_m, kappa_per_m); }
   void turn_corner(double by_rad) { pen_.psi_rad += by_rad; }
 
+  /// The corner of an own line at one of its points. cut_m of both its straights belong to the arc; 0 = sharp.
+  struct OwnCorner {
+    double turn_rad{}, cut_m{}, radius_m{};
+  };
+  [[nodiscard]] static bool walkable(const OwnLine& line) {
+    if (line.count < own_points_least(line.closed) || line.count > kOwnPointsMost) return false;
+    for (std::size_t i = 0; i < line.count; ++i) {
+      const FloorPoint& point = line.points[i];
+      // Written so that a NaN fails.
+      if (!(std::fabs(point.x_m) <= kOwnReach_m && std::fabs(point.y_m) <= kOwnReach_m)) return false;
+      if ((line.closed || i + 1 < line.count) && !(own_edge_m(line, i) > 0.0)) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] static double own_heading_rad(const OwnLine& line, std::size_t from) {
+    const FloorPoint &a = line.points[from], &b = line.points[(from + 1) % line.count];
+    return std::atan2(b.y_m - a.y_m, b.x_m - a.x_m);
+  }
+  [[nodiscard]] static OwnCorner own_corner(const OwnLine& line, std::size_t at, double radius_m) {
+    const std::size_t before = (at + line.count - 1) % line.count;
+    const double turn_rad = std::remainder(own_heading_rad(line, at) - own_heading_rad(line, before), 2.0 * kHalf_rad);
+    const double slope = std::tan(std::fabs(turn_rad) / 2.0);
+    const double before_m = own_edge_m(line, before), after_m = own_edge_m(line, at);
+    const double room_m = (before_m < after_m ? before_m : after_m) / 2.0;
+    const double cut_m = radius_m * slope < room_m ? radius_m * slope : room_m;
+    if (!(slope > 0.0) || !(cut_m / slope > kSharp_m)) return {turn_rad, 0.0, 0.0};
+    return {turn_rad, cut_m, cut_m / slope};
+  }
+  void turn_own(const OwnCorner& corner) {
+    if (corner.cut_m > 0.0)
+      add_arc(corner.radius_m * std::fabs(corner.turn_rad), (corner.turn_rad > 0.0 ? 1.0 : -1.0) / corner.radius_m);
+    else
+      turn_corner(corner.turn_rad);
+  }
+  /// Where two arcs meet, rounding leaves no straight between them.
+  void add_straight(double length_m) {
+    if (length_m > kJoint_m) add_line(length_m);
+  }
+
   [[nodiscard]] Place locate(double s_m) const {
     Place place;
     if (!std::isfinite(s_m)) return place;
@@ -299,6 +370,7 @@ class ReferencePath {
   }
 
   PathShape shape_;
+  bool closed_;
   std::array<Segment, kSegmentLimit> segments_{};
   std::size_t count_{};
   double length_m_{};

@@ -14,6 +14,7 @@
 #include "control/contract/program_version.hpp"
 #include "db/export/fixed_point.hpp"
 #include "db/store/exercise_json.hpp"
+#include "db/store/task_record.hpp"
 #include "db/summary/provenance.hpp"
 
 namespace hoist::db {
@@ -52,6 +53,7 @@ json session_of(const ExportSource& source) {
           {"close_reason", info.recording ? json(nullptr) : json(info.close_reason)},
           {"simulated", info.simulated},
           {"exercise", exercise_as_told(info.exercise_json)},
+          {"task", task_as_told(info.exercise_json)},
           {"note", info.note},
           {"samples", source.sample_count}};
 }

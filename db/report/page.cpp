@@ -51,6 +51,7 @@ std::string task_text(const TaskRecord& record, Language language) {
   std::string title = record.task;
   if (const TaskInfo* task = find_task(record.task))
     title = nlohmann::json::parse(task->text).at("title").at(language == Language::de ? "de" : "en").get<std::string>();
+  if (!record.line.empty()) title = record.line;
   return word(Word::repetition, language, {title, std::to_string(record.repetition), std::to_string(record.repetitions)});
 }
 

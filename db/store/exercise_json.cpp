@@ -1,5 +1,6 @@
 #include "db/store/exercise_json.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "db/store/session_types.hpp"
@@ -27,6 +28,10 @@ std::string shapes_in_words(ExerciseNames names) {
   return text;
 }
 
+std::string numbered(const char* name, std::size_t i) { return std::string(name) + '.' + std::to_string(i); }
+/// Points on their grid are never nearer by rounding alone.
+constexpr double kWithin_m = 1e-9;
+
 // Reads the members that belong to the shape, and counts them.
 class Reader {
  public:
@@ -45,10 +50,11 @@ class Reader {
       return std::nullopt;
     }
     const std::size_t before = problems_.size();
-    Exercise exercise{info->shape, false, 0, 0};
+    Exercise exercise{{info->shape, false, 0, 0}, {}};
     for (const ExerciseSize& row : contract::kExerciseSizes)
       if (row.shape == info->shape) contract::size_of(exercise, row.role) = size(row);
     if (info->turned) exercise.clockwise = clockwise();
+    if (info->shape == ExerciseShape::own) read_line(exercise.line);
     for (const auto& [name, member] : value_.items())
       if (name == "task" && stored) {
         if (!read_task_record(member)) problems_.push_back({"task", "is not one"});
@@ -62,6 +68,7 @@ class Reader {
  private:
   bool known(const std::string& name, const contract::ExerciseInfo& info) const {
     if (name == "shape" || (name == "clockwise" && info.turned)) return true;
+    if (info.shape == ExerciseShape::own && (name == "closed" || name == "x_m" || name == "y_m")) return true;
     for (const ExerciseSize& row : contract::kExerciseSizes)
       if (row.shape == info.shape && name == name_of(row, names_)) return true;
     return false;
@@ -86,6 +93,38 @@ class Reader {
     if (at == value_.end() || (names_ == ExerciseNames::told && at->is_null())) return false;
     if (!at->is_boolean()) problems_.push_back({"clockwise", "must be true or false"});
     return at->is_boolean() && at->get<bool>();
+  }
+  void read_line(contract::OwnLine& line) {
+    const auto closed = value_.find("closed");
+    if (closed == value_.end() || !closed->is_boolean()) problems_.push_back({"closed", "must be true or false"});
+    line.closed = closed != value_.end() && *closed == true;
+    const std::size_t least = contract::own_points_least(line.closed);
+    for (const char* name : {"x_m", "y_m"}) {
+      const auto at = value_.find(name);
+      const std::size_t given = at != value_.end() && at->is_array() ? at->size() : 0;
+      if (given < least || given > contract::kOwnPointsMost || (line.count != 0 && given != line.count)) {
+        problems_.push_back({name, line.count != 0 ? "must have as many numbers as x_m" : "must be a list of so many numbers",
+                             static_cast<double>(given), static_cast<double>(line.count != 0 ? line.count : least),
+                             static_cast<double>(line.count != 0 ? line.count : contract::kOwnPointsMost)});
+        return;
+      }
+      line.count = given;
+      for (std::size_t i = 0; i < given; ++i) (*name == 'x' ? line.points[i].x_m : line.points[i].y_m) = coordinate(*at, name, i);
+    }
+    for (std::size_t i = 0; i < (line.closed ? line.count : line.count - 1); ++i)
+      if (const double edge_m = own_edge_m(line, i); edge_m < contract::kOwnEdgeLeast_m - kWithin_m)
+        problems_.push_back({numbered("x_m", (i + 1) % line.count), "is a point too near to the one before it; value and min are metres",
+                             edge_m, contract::kOwnEdgeLeast_m, std::nullopt});
+  }
+  double coordinate(const json& values, const char* name, std::size_t i) {
+    const double given_m = values[i].is_number() ? values[i].get<double>() : std::nan("");
+    // Written so that a NaN fails.
+    if (!(std::fabs(given_m) <= contract::kOwnReach_m)) {
+      problems_.push_back({numbered(name, i), values[i].is_number() ? "is outside its range" : "must be a number",
+                           std::isfinite(given_m) ? std::optional{given_m} : std::nullopt, -contract::kOwnReach_m, contract::kOwnReach_m});
+      return 0;
+    }
+    return contract::on_own_grid(given_m);
   }
   void check_share(const Exercise& exercise) {
     const ExerciseSize* radius = contract::find_size(exercise.shape, contract::ExerciseRole::radius);
@@ -117,6 +156,14 @@ json exercise_json(const Exercise& exercise, ExerciseNames names) {
     if (const double size_m = contract::size_of(exercise, row.role); row.shape == exercise.shape && (row.required || size_m > 0))
       out[name_of(row, names)] = size_m;
   if (info != nullptr && info->turned && exercise.clockwise) out["clockwise"] = true;
+  if (exercise.shape == ExerciseShape::own) {
+    out["closed"] = exercise.line.closed;
+    out["x_m"] = out["y_m"] = json::array();
+    for (std::size_t i = 0; i < exercise.line.count; ++i) {
+      out["x_m"].push_back(exercise.line.points[i].x_m);
+      out["y_m"].push_back(exercise.line.points[i].y_m);
+    }
+  }
   return out;
 }
 

@@ -23,7 +23,8 @@ struct ExerciseProblem {
 /// Nothing, with every reason in `problems`, for what is no exercise. An optional size may be left out; told also as null or 0.
 [[nodiscard]] std::optional<contract::Exercise> read_exercise(const nlohmann::json& value, ExerciseNames names,
                                                               std::vector<ExerciseProblem>& problems);
-/// {"shape": "eight", "c_m": 1.0, "radius_m": 0.8} and, where it is walked so, "clockwise": true.
+/// {"shape": "eight", "c_m": 1.0, "radius_m": 0.8} and, where it is walked so, "clockwise": true. An own line has "closed" and its points as
+/// "x_m" and "y_m", which are read to whole centimetres.
 [[nodiscard]] nlohmann::json exercise_json(const contract::Exercise& exercise, ExerciseNames names);
 
 /// Whether the text is an exercise as recordings store it, at most 1000 bytes, with the task it belongs to where there is one (tasks.hpp);

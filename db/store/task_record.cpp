@@ -9,8 +9,10 @@ namespace hoist::db {
 using nlohmann::json;
 
 json task_json(const TaskRecord& r) {
-  return {{"task", r.task},     {"version", r.version},       {"ends", task_end_name(r.ends)}, {"goal", r.goal},
-          {"edge_m", r.edge_m}, {"repetition", r.repetition}, {"repetitions", r.repetitions},  {"rest_s", r.rest_s}};
+  json told{{"task", r.task},     {"version", r.version},       {"ends", task_end_name(r.ends)}, {"goal", r.goal},
+            {"edge_m", r.edge_m}, {"repetition", r.repetition}, {"repetitions", r.repetitions},  {"rest_s", r.rest_s}};
+  if (!r.line.empty()) told["line"] = r.line;
+  return told;
 }
 
 std::optional<TaskRecord> read_task_record(const json& value) {
@@ -28,8 +30,10 @@ std::optional<TaskRecord> read_task_record(const json& value) {
   record.repetition = static_cast<std::uint32_t>(of.number("repetition", 1, kMost));
   record.repetitions = static_cast<std::uint32_t>(of.number("repetitions", 1, kMost));
   record.rest_s = of.number("rest_s", 0, kMost);
+  if (value.is_object() && value.contains("line")) record.line = of.text("line");
   of.end();
-  return problem.empty() && end && record.task.size() <= kNameMost ? std::optional{record} : std::nullopt;
+  return problem.empty() && end && record.task.size() <= kNameMost && record.line.size() <= kNameMost ? std::optional{record}
+                                                                                                      : std::nullopt;
 }
 
 std::optional<TaskRecord> task_of_stored(const std::optional<std::string>& stored) {

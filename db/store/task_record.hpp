@@ -17,6 +17,7 @@ struct TaskRecord {
   double goal = 0, edge_m = 0;
   std::uint32_t repetition = 1, repetitions = 1;
   double rest_s = 0;
+  std::string line = {};  ///< name of an own line; empty = none
 };
 
 [[nodiscard]] nlohmann::json task_json(const TaskRecord& record);

@@ -9,6 +9,7 @@
 #include "control/contract/guided_path.hpp"
 #include "db/metrics/metric_list.hpp"
 #include "db/store/json_members.hpp"
+#include "db/store/lines.hpp"
 #include "db/store/task_list.hpp"
 
 namespace hoist::db {
@@ -42,7 +43,7 @@ void read_sizes(const json& sizes, TaskInfo& task, std::string& problem) {
     task.sizes.push_back({row.role, range(members, name.c_str(), least_m, contract::kExerciseMost_m)});
   }
   members.end();
-  if (const bool line = task.shape != ExerciseShape::free; line && task.sizes.empty()) members.wrong("", "must have a size");
+  if (contract::drivable(task.shape) && task.sizes.empty()) members.wrong("", "must have a size");
 }
 
 void read_leads(const json& leads, TaskInfo& task, std::string& problem) {
@@ -54,8 +55,8 @@ void read_leads(const json& leads, TaskInfo& task, std::string& problem) {
     else
       task.leads.push_back(static_cast<contract::Mode>(row->value));
   }
-  if (task.shape == ExerciseShape::free && std::ranges::count(task.leads, contract::Mode::guided) != 0)
-    problem = problem.empty() ? "leads: without a line the hoist cannot lead" : problem;
+  if (!contract::drivable(task.shape) && std::ranges::count(task.leads, contract::Mode::guided) != 0)
+    problem = problem.empty() ? "leads: the hoist cannot lead along this line" : problem;
 }
 
 void read_end(const json& ends, TaskInfo& task, std::string& problem) {
@@ -155,6 +156,29 @@ Exercise exercise_of(const TaskInfo& task, const json& wish, std::vector<Exercis
   return exercise;
 }
 
+// The line of a task of own lines.
+void read_own_line(const json& wish, TaskChoice& choice, std::vector<ExerciseProblem>& problems) {
+  const auto line = wish.find("line");
+  const bool there = line != wish.end() && !line->is_null();
+  if (choice.task->shape != ExerciseShape::own) {
+    if (there) problems.push_back({"line", "is not for this task"});
+    return;
+  }
+  if (!there || !line->is_object()) return problems.push_back({"line", "must be an own line: name and exercise"});
+  const auto name = line->find("name");
+  if (name != line->end() && name->is_string()) choice.line = name->get<std::string>();
+  if (Status checked = check_line_name(choice.line); !checked) problems.push_back({"line.name", checked.error().message});
+  const auto exercise = line->find("exercise");
+  std::vector<ExerciseProblem> wrong;
+  const auto read = read_exercise(exercise == line->end() ? json::object() : *exercise, ExerciseNames::told, wrong);
+  if (read && read->shape != ExerciseShape::own) wrong.push_back({"shape", "must be own"});
+  for (ExerciseProblem& problem : wrong) {
+    problem.field = "line.exercise." + problem.field;
+    problems.push_back(std::move(problem));
+  }
+  if (read) choice.exercise = *read;
+}
+
 std::uint32_t whole_or(const json& wish, const char* name, const TaskRange& range, std::vector<ExerciseProblem>& problems) {
   const double given = number_or(wish, name, range, name, problems);
   if (given != std::floor(given)) problems.push_back({name, "must be a whole number", given, range.least, range.most});
@@ -200,11 +224,14 @@ std::optional<TaskChoice> read_task_choice(const json& wish, std::vector<Exercis
     return std::nullopt;
   }
   const std::size_t before = problems.size();
-  TaskChoice choice{task, exercise_of(*task, wish, problems), 0, 1, 0};
+  TaskChoice choice{.task = task, .exercise = exercise_of(*task, wish, problems)};
   choice.goal = number_or(wish, "goal", task->goal, "goal", problems);
+  read_own_line(wish, choice, problems);
   if (task->ends == TaskEnd::distance) choice.goal = whole_or(wish, "goal", task->goal, problems);
   choice.repetitions = whole_or(wish, "repetitions", task->repetitions, problems);
   choice.rest_s = number_or(wish, "rest_s", task->rest_s, "rest_s", problems);
+  if (task->shape == ExerciseShape::own && !choice.exercise.line.closed && choice.goal > 1)
+    problems.push_back({"goal", "is once along an open line", choice.goal, 1.0, 1.0});
   // What a recording may not hold, a task must not ask for: a radius beyond its share of the size.
   if (problems.size() == before && task->shape != ExerciseShape::free)
     (void)read_exercise(exercise_json(choice.exercise, ExerciseNames::told), ExerciseNames::told, problems);
@@ -219,7 +246,8 @@ TaskRecord task_record(const TaskChoice& choice, std::uint32_t repetition) {
           .edge_m = choice.task->edge_m,
           .repetition = repetition,
           .repetitions = choice.repetitions,
-          .rest_s = choice.rest_s};
+          .rest_s = choice.rest_s,
+          .line = choice.line};
 }
 
 std::string stored_with_task(const Exercise& exercise, const TaskRecord& record) {

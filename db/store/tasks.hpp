@@ -47,6 +47,7 @@ struct TaskChoice {
   double goal = 0;
   std::uint32_t repetitions = 1;
   double rest_s = 0;
+  std::string line = {};  ///< name of an own line
 };
 
 /// Reads the files of db/tasks; bad_value with the task and what is wrong with it.
@@ -56,8 +57,8 @@ struct TaskChoice {
 /// Null for a name that no task has.
 [[nodiscard]] const TaskInfo* find_task(std::string_view name);
 
-/// {"task": "walk_10m"} and what is adjusted: "sizes", "clockwise", "goal", "repetitions", "rest_s"; what is left out is as usual. Nothing,
-/// with every reason in `problems`, for what the task does not allow.
+/// {"task": "walk_10m"} and what is adjusted: "sizes", "clockwise", "goal", "repetitions", "rest_s"; what is left out is as usual. The task of
+/// own lines asks for {"line": {"name", "exercise"}}. Nothing, with every reason in `problems`, for what the task does not allow.
 [[nodiscard]] std::optional<TaskChoice> read_task_choice(const nlohmann::json& wish, std::vector<ExerciseProblem>& problems);
 [[nodiscard]] TaskRecord task_record(const TaskChoice& choice, std::uint32_t repetition);
 

@@ -537,7 +537,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     if (!wish.exercise.is_null()) errors.push_back({"exercise", "is the path itself; leave it out"});
     if (const auto path = read_guided(wish.path, guided_limits(services), errors)) {
       contract::put_guided(request, *path);
-      exercise = *path;
+      exercise = Exercise{*path, {}};
       laps = path->laps;
     }
   } else if (!wish.path.is_null()) {

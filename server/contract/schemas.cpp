@@ -333,7 +333,8 @@ constexpr std::string_view kSchemas = R"json({
 "TaskList": {"type": "object", "required": ["items"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/Task"}}}, "additionalProperties": false},
 "TaskRequest": {"type": "object", "required": ["task"], "properties": {"task": {"type": ["string", "null"], "minLength": 1, "maxLength": 64, "description": "null: no task, only the exercise"},
   "sizes": {"type": ["object", "null"], "maxProperties": 4, "additionalProperties": {"type": "number"}}, "clockwise": {"type": ["boolean", "null"]},
-  "goal": {"type": ["number", "null"], "description": "Of its end: times along the line, seconds, radians, metres"}, "repetitions": {"type": ["number", "null"]}, "rest_s": {"type": ["number", "null"]}},
+  "goal": {"type": ["number", "null"], "description": "Of its end: times along the line, seconds, radians, metres"}, "repetitions": {"type": ["number", "null"]}, "rest_s": {"type": ["number", "null"]},
+  "line": {"anyOf": [{"$ref": "#/components/schemas/LineRequest"}, {"type": "null"}], "description": "Of the task own_line: what is walked, and what it is called"}},
   "additionalProperties": false, "description": "What is left out is as usual"},
 "RehearsalRequest": {"type": "object", "required": ["rehearsal"], "properties": {"rehearsal": {"anyOf": [{"$ref": "#/components/schemas/RehearsalKind"}, {"type": "null"}], "description": "null: none"},
   "seed": {"type": ["integer", "null"], "minimum": 0, "maximum": 1000000000, "description": "Draws the moment when it happens; a new one when not given"}}, "additionalProperties": false},
@@ -349,14 +350,27 @@ constexpr std::string_view kSchemas = R"json({
   "phase": {"enum": ["none", "waiting", "happening", "over"]}, "rehearsal": {"anyOf": [{"$ref": "#/components/schemas/RehearsalKind"}, {"type": "null"}]}, "seed": {"type": ["integer", "null"]},
   "session": {"type": ["integer", "null"], "description": "That was recorded when it happened; its markers have the result"},
   "result": {"anyOf": [{"$ref": "#/components/schemas/RehearsalResult"}, {"type": "null"}], "description": "When it is over"}}, "additionalProperties": false},
-"TaskState": {"type": "object", "required": ["task", "version", "ends", "goal", "repetitions", "rest_s", "repetition", "begun_tick", "reached", "ended_tick"], "properties": {
+"LineName": {"type": "string", "minLength": 1, "maxLength": 64, "description": "One line, at most 64 bytes of UTF-8; of a place, never of a patient"},
+"LineRequest": {"type": "object", "required": ["name", "exercise"], "properties": {"name": {"$ref": "#/components/schemas/LineName"},
+  "exercise": {"$ref": "#/components/schemas/Exercise", "description": "Of the shape own"}}, "additionalProperties": false},
+"LinePatch": {"type": "object", "minProperties": 1, "properties": {"name": {"$ref": "#/components/schemas/LineName"},
+  "exercise": {"$ref": "#/components/schemas/Exercise", "description": "Of the shape own"}}, "additionalProperties": false},
+"Line": {"type": "object", "required": ["id", "name", "version", "saved_utc_ms", "exercise", "length_m", "etag"], "properties": {"id": {"type": "integer"}, "name": {"type": "string"},
+  "version": {"type": "integer", "description": "Counts the savings"}, "saved_utc_ms": {"type": "integer"}, "exercise": {"$ref": "#/components/schemas/Exercise"},
+  "length_m": {"type": "number", "description": "Once along it, with its round corners"}, "etag": {"$ref": "#/components/schemas/EditTag"}}, "additionalProperties": false},
+"LineList": {"type": "object", "required": ["items", "next"], "properties": {"items": {"type": "array", "items": {"$ref": "#/components/schemas/Line"}},
+  "next": {"type": ["string", "null"]}}, "additionalProperties": false},
+"TaskState": {"type": "object", "required": ["task", "version", "ends", "goal", "repetitions", "rest_s", "repetition", "begun_tick", "reached", "ended_tick", "line"], "properties": {
   "task": {"type": "string"}, "version": {"type": "integer"}, "ends": {"$ref": "#/components/schemas/TaskEnd"}, "goal": {"type": "number"}, "repetitions": {"type": "integer"},
   "rest_s": {"type": "number"}, "repetition": {"type": "integer", "description": "The latest one that was begun; 0 = none yet"},
   "begun_tick": {"type": ["integer", "null"], "description": "Step of its first movement"}, "reached": {"type": "boolean", "description": "Its end was reached"},
-  "ended_tick": {"type": ["integer", "null"], "description": "Step in which its motion ended: the rest is counted from here"}}, "additionalProperties": false},
+  "ended_tick": {"type": ["integer", "null"], "description": "Step in which its motion ended: the rest is counted from here"},
+  "line": {"$ref": "#/components/schemas/LineOrNull"}}, "additionalProperties": false},
+"LineOrNull": {"type": ["string", "null"], "description": "Name of the own line; null: none"},
 "TaskRecord": {"type": "object", "description": "The task that a session is a repetition of", "required": ["task", "version", "ends", "goal", "edge_m", "repetition", "repetitions", "rest_s"],
   "properties": {"task": {"type": "string"}, "version": {"type": "integer"}, "ends": {"$ref": "#/components/schemas/TaskEnd"}, "goal": {"type": "number"}, "edge_m": {"type": "number"},
-  "repetition": {"type": "integer"}, "repetitions": {"type": "integer"}, "rest_s": {"type": "number"}}, "additionalProperties": false},
+  "repetition": {"type": "integer"}, "repetitions": {"type": "integer"}, "rest_s": {"type": "number"},
+  "line": {"type": "string", "description": "Name of the own line, as it was then; left out: none"}}, "additionalProperties": false},
 "Walk": {"type": "object", "required": ["exercise", "begun", "task", "tick", "motion_s", "mark", "step_m", "x_m", "y_m"], "properties": {
   "exercise": {"$ref": "#/components/schemas/Exercise", "description": "Chosen for the next walk"},
   "begun": {"anyOf": [{"$ref": "#/components/schemas/Exercise"}, {"$ref": "#/components/schemas/GuidedPath"}, {"type": "null"}],
@@ -678,6 +692,18 @@ json exercise_kind(const contract::ExerciseInfo& info, bool driven) {
                                          {"description", row.doc}};
     if (row.required) kind["required"].push_back(row.name);
   }
+  if (info.shape == contract::ExerciseShape::own) {
+    kind["required"] = {"shape", "closed", "x_m", "y_m"};
+    properties["closed"] = {{"type", "boolean"}, {"description", "The last point is joined to the first; then at least three"}};
+    for (const auto& [name, what] :
+         {std::pair{"x_m", "Of the points, in whole centimetres, in the order of walking; neighbours are at least 0.2 m apart"},
+          std::pair{"y_m", "As many as x_m"}})
+      properties[name] = {{"type", "array"},
+                          {"minItems", contract::own_points_least(false)},
+                          {"maxItems", contract::kOwnPointsMost},
+                          {"items", {{"type", "number"}, {"minimum", -contract::kOwnReach_m}, {"maximum", contract::kOwnReach_m}}},
+                          {"description", what}};
+  }
   if (info.turned) properties["clockwise"] = {{"type", {"boolean", "null"}}, {"description", "Left and right exchanged"}};
   if (driven) {
     kind["required"].push_back("speed_m_s");
@@ -704,7 +730,7 @@ json all_schemas() {
       {"anyOf", json::array()}};
   for (const contract::ExerciseInfo& row : contract::kExercises) {
     schemas["Exercise"]["anyOf"].push_back(exercise_kind(row, false));
-    if (row.shape != contract::ExerciseShape::free) schemas["GuidedPath"]["anyOf"].push_back(exercise_kind(row, true));
+    if (contract::drivable(row.shape)) schemas["GuidedPath"]["anyOf"].push_back(exercise_kind(row, true));
   }
   schemas["CalibrationStep"] = names_of(contract::kCalibrationSteps);
   schemas["ParamName"] = names_of(contract::kParams);

@@ -53,7 +53,7 @@ std::optional<contract::GuidedPath> read_guided(const json& value, const contrac
   if (figure.is_object())
     for (const char* name : {"speed_m_s", "laps"}) figure.erase(name);
   const auto exercise = value.is_null() ? std::nullopt : read_exercise(figure, errors, "path");
-  if (value.is_null() || (exercise && exercise->shape == Exercise::Shape::free)) {
+  if (value.is_null() || (exercise && !contract::drivable(exercise->shape))) {
     errors.push_back({"path.shape", "must be a figure that can be driven"});
     return std::nullopt;
   }
@@ -69,7 +69,7 @@ std::optional<contract::GuidedPath> read_guided(const json& value, const contrac
       errors.push_back({"path.laps", "must be a whole number in its range", std::nullopt, 1, contract::kGuidedLapsMost});
   }
   if (!exercise || !errors.empty()) return std::nullopt;
-  static_cast<Exercise&>(path) = *exercise;
+  static_cast<contract::SizedExercise&>(path) = *exercise;
   const contract::GuidedProblems problems = contract::check_guided(path, limits);
   for (std::size_t i = 0; i < problems.count; ++i) {
     const contract::GuidedProblem& problem = problems.rows[i];
@@ -94,7 +94,7 @@ StartPose start_pose(const Exercise& e) {
 
 Exercise exercise_of_scenario(std::string_view scenario) {
   for (const contract::ExerciseInfo& row : contract::kExercises)
-    if (scenario.find(row.name) != std::string_view::npos) return contract::usual_exercise(row.shape);
+    if (row.shape != Exercise::Shape::own && scenario.find(row.name) != std::string_view::npos) return contract::usual_exercise(row.shape);
   return {};
 }
 

@@ -22,7 +22,7 @@ constexpr double kStep_s = 0.01;
 constexpr double kSame_m = 1e-6;
 bool same(const Exercise& a, const Exercise& b) {
   return a.shape == b.shape && a.clockwise == b.clockwise && std::fabs(a.size_m - b.size_m) < kSame_m &&
-         std::fabs(a.radius_m - b.radius_m) < kSame_m;
+         std::fabs(a.radius_m - b.radius_m) < kSame_m && a.line == b.line;
 }
 json or_null(const std::optional<std::uint64_t>& value) { return value ? json(*value) : json(nullptr); }
 }  // namespace
@@ -123,7 +123,8 @@ json TaskRun::told() const {
           {"repetition", repetition_},
           {"begun_tick", or_null(begun_tick_)},
           {"reached", reached_},
-          {"ended_tick", or_null(ended_tick_)}};
+          {"ended_tick", or_null(ended_tick_)},
+          {"line", choice_->line.empty() ? json(nullptr) : json(choice_->line)}};
 }
 
 }  // namespace hoist::server

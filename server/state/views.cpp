@@ -71,6 +71,15 @@ json visit_json(const db::VisitInfo& v) {
           {"note", v.note},   {"sessions", v.sessions},        {"standby", v.standby},    {"etag", v.tag}};
 }
 
+json line_json(const db::LineInfo& line) {
+  return {{"id", line.id},
+          {"name", line.name},
+          {"version", line.version},
+          {"saved_utc_ms", line.saved_utc_ns / 1'000'000},
+          {"exercise", exercise_json(line.exercise)},
+          {"length_m", contract::figure_of(line.exercise).length_m()},
+          {"etag", line.tag}};
+}
 json profile_json(const db::ProfileInfo& p) {
   return {{"id", p.id},
           {"patient", p.patient_id},

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "control/contract/params.hpp"
+#include "db/store/lines.hpp"
 #include "db/store/markers.hpp"
 #include "db/store/profiles.hpp"
 #include "db/store/visits.hpp"
@@ -34,6 +35,7 @@ class LeaseAsks;
 // Rows that people edit; `etag` is what a change of them is made for.
 [[nodiscard]] nlohmann::json patient_json(const db::PatientInfo& patient);
 [[nodiscard]] nlohmann::json visit_json(const db::VisitInfo& visit);
+[[nodiscard]] nlohmann::json line_json(const db::LineInfo& line);
 [[nodiscard]] nlohmann::json profile_json(const db::ProfileInfo& profile);
 [[nodiscard]] nlohmann::json marker_json(db::SessionId session, const db::MarkerInfo& marker);
 [[nodiscard]] std::string layout_hash_hex();

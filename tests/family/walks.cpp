@@ -38,7 +38,7 @@ tool::study::Assumptions hand_of(const WalkOptions& options) {
 contract::GuidedPath eight(double speed_m_s) {
   const contract::Exercise usual = contract::usual_exercise(contract::ExerciseShape::eight);
   contract::GuidedPath path;
-  static_cast<contract::Exercise&>(path) = usual;
+  static_cast<contract::SizedExercise&>(path) = usual;
   path.speed_m_s = speed_m_s;
   path.laps = 15;
   return path;

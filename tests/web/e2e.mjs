@@ -682,6 +682,45 @@ const cases = {
     assert(session.task?.task === 'straight' && session.task.repetition === 1, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
   },
 
+  async 'Exercises: a line is drawn by hand and by keys, saved, driven as a task, and the session keeps it when it is deleted'() {
+    await toStandby();
+    const before = await newestId();
+    await page.goto(`${stack.origin}/#/exercises`);
+    await page.getByRole('button', { name: 'Draw a line' }).click();
+    const box = await page.locator('.line-plan').boundingBox();
+    for (const up of [0.75, 0.4]) await page.mouse.click(box.x + box.width / 2, box.y + box.height * up);
+    await page.getByRole('button', { name: 'Add a point' }).click();
+    // By keys, a grid step each.
+    const last = page.locator('.line-point').nth(2);
+    const beforeKeys = await last.getAttribute('aria-label');
+    await last.focus();
+    for (const key of ['ArrowLeft', 'ArrowLeft', 'ArrowDown']) await page.keyboard.press(key);
+    assert((await last.getAttribute('aria-label')) !== beforeKeys, 'the keys moved no point');
+    await page.getByLabel('Name').fill('Corridor');
+    await page.getByRole('button', { name: 'Save' }).click();
+    await until('the line is a task', async () => (await page.getByLabel('Task').locator('option:checked').textContent().catch(() => '')) === 'Corridor');
+    const [line] = (await stack.rest('GET', '/lines')).json().items;
+    assert(line.name === 'Corridor' && line.exercise.x_m.length === 3 && !line.exercise.closed, `the line: ${JSON.stringify(line)}`);
+    assert(await page.getByRole('radio', { name: 'Hoist leads' }).isDisabled(), 'the hoist offers to lead along it');
+    await page.getByRole('radio', { name: 'Therapist drives' }).click();
+    await startMotion('exercises', 'Start the task', 'Therapist drives');
+    await holdUntil('the hoist drives along it', stick(0, 0.34), async () => (await stack.truth()).speed_m_s > 0.15);
+    await page.mouse.up();
+    await stands('it stands after letting go');
+    assert(/Corridor/.test((await page.locator('.task-strip').textContent()) ?? ''), 'Drive does not name the line');
+    await toStandby();
+    const session = await recordedSince(before);
+    assert(session.task?.task === 'own_line' && session.task.line === 'Corridor', `the session's task: ${JSON.stringify(session.task)}`);
+    assert(JSON.stringify(session.exercise) === JSON.stringify(line.exercise), `the session's line: ${JSON.stringify(session.exercise)}`);
+    await page.goto(`${stack.origin}/#/exercises`);
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await page.getByRole('button', { name: 'Delete' }).click();
+    await until('the line is gone', async () => (await stack.rest('GET', '/lines')).json().items.length === 0);
+    const kept = (await stack.rest('GET', `/sessions/${session.id}`)).json();
+    assert(JSON.stringify(kept.exercise) === JSON.stringify(line.exercise), 'the session lost its line');
+    await stack.rest('PUT', '/task', { task: null });
+  },
+
   async 'losing the focus, leaving the page or closing the tab while driving stops the hoist'() {
     // H19
     for (const way of ['blur', 'hidden', 'capture', 'page', 'close']) {

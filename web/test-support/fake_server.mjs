@@ -297,6 +297,17 @@ export function startFakeServer({
     patient(3, 'M-112', null, { visits: 0, sessions: 0, first_day: null }),
   ];
   const names = new Map([[5, { name: 'Erika Musterfrau', birth_date: '1951-04-12', note: '' }]]);
+  const lines = [
+    {
+      id: 3,
+      name: 'Hall',
+      version: 1,
+      saved_utc_ms: Date.UTC(2026, 6, 1),
+      exercise: { shape: 'own', closed: true, x_m: [-1.5, 1.5, 1.5, 0, -1.5], y_m: [-1.5, -1.5, 1, 1.8, 1], corner_radius_m: 0.5 },
+      length_m: 9.7,
+      etag: 'line-3-1',
+    },
+  ];
   const profiles = [
     {
       id: 7,
@@ -875,12 +886,13 @@ export function startFakeServer({
     if (name === 'speed_command_m_s') return 0.42 * Math.min(1, 12 * s) + 0.015 * Math.sin(80 * s);
     return 0.3 * Math.sin(20 * s + name.length);
   };
-  const chooseTask = ({ task: name, sizes = {}, clockwise, goal, repetitions, rest_s }) => {
+  const chooseTask = ({ task: name, sizes = {}, clockwise, goal, repetitions, rest_s, line = null }) => {
     const task = tasks.find((row) => row.name === name);
     hoist.task = null;
     if (task !== undefined) {
       const usual = Object.fromEntries(Object.entries(task.sizes).map(([size, range]) => [size, range.usual]));
       hoist.chosen = { shape: task.line ?? 'free', ...usual, ...sizes, ...(clockwise ? { clockwise } : {}) };
+      if (line !== null) hoist.chosen = line.exercise;
       if (task.line === 'eight') hoist.chosen.radius_m = 0.8 * hoist.chosen.c_m;
       if (hoist.chosen.corner_radius_m === 0) delete hoist.chosen.corner_radius_m;
       hoist.task = {
@@ -894,6 +906,7 @@ export function startFakeServer({
         begun_tick: null,
         reached: false,
         ended_tick: null,
+        line: line?.name ?? null,
       };
     }
     tellWalk();
@@ -1183,6 +1196,21 @@ export function startFakeServer({
     if (path === '/patients') {
       const q = (url.searchParams.get('q') ?? '').toLowerCase();
       return send(200, { items: patients.filter(({ code, archived }) => !archived && code.toLowerCase().includes(q)), next: null });
+    }
+    const [, lineId] = /^\/lines(?:\/(\d+))?$/.exec(path) ?? [];
+    if (path === '/lines' && request.method === 'GET') return send(200, { items: lines, next: null });
+    if (path === '/lines' || lineId !== undefined) {
+      const at = lines.findIndex(({ id }) => id === Number(lineId));
+      if (request.method === 'DELETE') {
+        lines.splice(at, 1);
+        return send(204, null);
+      }
+      const before = lines[at] ?? { id: 10 + lines.length, version: 0, length_m: 0 };
+      const saved = { ...before, ...given, version: before.version + 1, saved_utc_ms: Date.now() };
+      saved.etag = `line-${saved.id}-${saved.version}`;
+      if (at < 0) lines.unshift(saved);
+      else lines[at] = saved;
+      return send(at < 0 ? 201 : 200, saved);
     }
     const [, profileId, deed] = /^\/profiles\/(\d+)(?:\/(\w+))?$/.exec(path) ?? [];
     const profile = profiles.find(({ id }) => id === Number(profileId));

@@ -6,6 +6,7 @@ import {
   curveSpeed_m_s,
   duration_s,
   exerciseOf,
+  hasLaps,
   isChosen,
   laps,
   length_m,
@@ -17,9 +18,9 @@ import {
   withinCap,
   type Plan,
 } from '../src/panels/exercises/plan';
-import { exercises, usualExercise } from '../src/contract/exercises.gen';
+import { exercises, usualExercise, usualOwnLine } from '../src/contract/exercises.gen';
 import { modes } from '../src/contract/faults.gen';
-import type { Task, TaskState } from '../src/contract/rest.gen';
+import type { Line, Task, TaskState } from '../src/contract/rest.gen';
 import { moving } from '../src/link/store';
 import { floorSpace, patternPoints, polesOf } from '../src/ui/geometry';
 import { tooSlow } from '../src/link/readiness';
@@ -33,6 +34,7 @@ const at = (task: Task, end: 'least' | 'most'): Plan => ({
   sizes: Object.fromEntries(Object.entries(task.sizes).map(([name, range]) => [name, range[end]])),
 });
 
+const usual = { ...usualExercise, own: usualOwnLine };
 const yawLimit_rad_s = (30 * Math.PI) / 180;
 
 describe('lines', () => {
@@ -50,7 +52,7 @@ describe('lines', () => {
   });
   it('are drawn as long as the hoist walks them', () => {
     for (const { shape, usual_length_m } of exercises) {
-      const points = patternPoints(usualExercise[shape]);
+      const points = patternPoints(usual[shape]);
       const drawn = points.slice(1).reduce((sum, to, i) => sum + Math.hypot(to.x - points[i]!.x, to.y - points[i]!.y), 0);
       // Arcs are drawn as chords, which are up to 0.1 % shorter.
       expect(Math.abs(drawn - usual_length_m), shape).toBeLessThanOrEqual(0.001 * usual_length_m);
@@ -69,8 +71,8 @@ describe('lines', () => {
   });
   it('close, where the table says so, and keep their length when mirrored', () => {
     for (const { shape, closed, turned } of exercises.filter((row) => row.shape !== 'free')) {
-      const left = patternPoints(usualExercise[shape]);
-      const right = patternPoints({ ...usualExercise[shape], ...(turned ? { clockwise: true } : {}) });
+      const left = patternPoints(usual[shape]);
+      const right = patternPoints({ ...usual[shape], ...(turned ? { clockwise: true } : {}) });
       const [first, last] = [left[0]!, left.at(-1)!];
       const apart_m = Math.hypot(last.x - first.x, last.y - first.y);
       if (closed) expect(apart_m, shape).toBeCloseTo(0, 9);
@@ -148,7 +150,41 @@ const state: TaskState = {
   begun_tick: null,
   reached: false,
   ended_tick: null,
+  line: null,
 };
+
+const hall: Line = { id: 3, name: 'Hall', version: 1, saved_utc_ms: 0, exercise: usualOwnLine, length_m: 11.9, etag: 'a' };
+const open = { ...hall, exercise: { ...usualOwnLine, closed: false } };
+const own = (line: Line): Plan =>
+  planOf(
+    tasks.find((task) => task.line === 'own')!,
+    { lead: 'guided', speed_m_s: 0.2 },
+    line,
+  );
+
+describe('an own line', () => {
+  it('is walked or driven, never led, with laps when it goes round', () => {
+    expect(own(hall).lead).toBe('user');
+    expect(own(hall).task.leads).toEqual(['user', 'remote']);
+    expect(exerciseOf(own(hall))).toBe(usualOwnLine);
+    expect([hasLaps(own(hall)), hasLaps(own(open))]).toEqual([true, false]);
+    expect(laps({ ...own(hall), goal: 3 })).toBe(3);
+    expect(length_m(own(hall))).toBeCloseTo(11.878, 1);
+  });
+  it('goes with its name and points to the hoist, and is not chosen twice', () => {
+    expect(requestOf(own(hall))).toEqual({
+      task: 'own_line',
+      goal: 1,
+      repetitions: 3,
+      rest_s: 60,
+      line: { name: 'Hall', exercise: usualOwnLine },
+    });
+    const chosen = { ...state, task: 'own_line', line: 'Hall' };
+    expect(isChosen(own(hall), chosen, { ...usualOwnLine })).toBe(true);
+    expect(isChosen(own(hall), { ...chosen, line: 'Hallway' }, usualOwnLine)).toBe(false);
+    expect(isChosen(own(hall), chosen, { ...usualOwnLine, x_m: [0, 4, 4, 2, 0.1] })).toBe(false);
+  });
+});
 
 describe('a chosen task', () => {
   it('is not chosen again by a start on it', () => {

@@ -8,21 +8,26 @@ import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { first } from '../src/text/first';
 import { settings } from '../src/text/settings';
+import { tasks } from '../src/text/tasks';
 import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
 beforeEach(() => settings.set({ language: 'en' }));
 
+/** With the texts that come with a screen. */
+const all = { en: { ...en, ...tasks.en }, de: { ...de, ...tasks.de } };
+
 describe('the message files', () => {
   it('have the same keys', () => {
-    expect(Object.keys(de).sort()).toEqual(Object.keys(en).sort());
+    expect(Object.keys(all.de).sort()).toEqual(Object.keys(all.en).sort());
+    expect(Object.keys(all.en)).toHaveLength(Object.keys(en).length + Object.keys(tasks.en).length);
   });
 
   it('have the same placeholders, and no empty text', () => {
     const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
-    for (const key of Object.keys(en) as (keyof typeof en)[]) {
-      expect(places(de[key]), key).toEqual(places(en[key]));
-      expect(en[key].trim(), key).not.toBe('');
-      expect(de[key].trim(), key).not.toBe('');
+    for (const key of Object.keys(all.en) as (keyof typeof all.en)[]) {
+      expect(places(all.de[key]), key).toEqual(places(all.en[key]));
+      expect(all.en[key].trim(), key).not.toBe('');
+      expect(all.de[key].trim(), key).not.toBe('');
     }
   });
 
@@ -35,7 +40,7 @@ describe('the message files', () => {
 
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first)/.test(file))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first|tasks)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,
@@ -43,12 +48,12 @@ describe('the message files', () => {
     const whole = ['patient.key_missing', 'patient.key_foreign', 'patient.damaged'];
     const begins = /^(?:exercise|priority|event|health\.part|refused|invalid|role|unit|users\.may|tokens\.scope|audit|marker|history\.how)\./;
     const built = { test: (key: string) => whole.includes(key) || begins.test(key) };
-    const unused = [...Object.keys(first.en), ...Object.keys(en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));
+    const unused = [...Object.keys(first.en), ...Object.keys(all.en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));
     expect(unused).toEqual([]);
   });
 
   it('show no Greek letters and no inner names to people', () => {
-    for (const text of [...Object.values(en), ...Object.values(de)]) expect(text).not.toMatch(/[α-ωΑ-Ω]|_[a-z]|undefined|null|NaN/);
+    for (const text of [...Object.values(all.en), ...Object.values(all.de)]) expect(text).not.toMatch(/[α-ωΑ-Ω]|_[a-z]|undefined|null|NaN/);
   });
 
   it('have words for every event and every node', () => {

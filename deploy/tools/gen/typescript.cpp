@@ -429,6 +429,17 @@ std::string exercise_sizes(const ExerciseInfo& exercise) {
   return out;
 }
 
+std::string usual_own_line() {
+  const Exercise usual = usual_exercise(ExerciseShape::own);
+  std::string x_m, y_m;
+  for (std::size_t i = 0; i < usual.line.count; ++i) {
+    x_m += (i == 0 ? "" : ", ") + number_text(usual.line.points[i].x_m);
+    y_m += (i == 0 ? "" : ", ") + number_text(usual.line.points[i].y_m);
+  }
+  return "{ shape: 'own', closed: " + std::string(yes_or_no(usual.line.closed)) + ", x_m: [" + x_m + "], y_m: [" + y_m +
+         "], corner_radius_m: " + number_text(usual.radius_m) + " }";
+}
+
 GeneratedFile exports_file() {
   std::string out = head("db/export/formats.def");
   out += "import type { Words } from './rest.gen';\n\n";
@@ -515,13 +526,16 @@ export const exercises: readonly ExerciseInfo[] = [
            ", turned: " + std::string(yes_or_no(row.turned)) + ", closed: " + std::string(yes_or_no(row.closed)) +
            ", usual_length_m: " + number_text(std::round(figure_of(usual_exercise(row.shape)).length_m() * 1000.0) / 1000.0) +
            ",\n    sizes: [" + exercise_sizes(row) + "],\n  },\n";
+    if (row.shape == ExerciseShape::own) continue;
     usual += "  " + std::string(row.name) + ": { shape: " + quoted(row.name);
     for (const ExerciseSize& size : kExerciseSizes)
       if (size.shape == row.shape && size.usual_m > 0) usual += ", " + std::string(size.name) + ": " + number_text(size.usual_m);
     usual += " },\n";
   }
   out += "];\n\n/** Each shape with its usual sizes. */\nexport const usualExercise = {\n" + usual +
-         "} as const satisfies { [S in Exercise['shape']]: Extract<Exercise, { shape: S }> };\n";
+         "} as const satisfies { [S in Exclude<Exercise['shape'], 'own'>]: Extract<Exercise, { shape: S }> };\n\n/** An own line for "
+         "examples. */\n" +
+         "export const usualOwnLine: Extract<Exercise, { shape: 'own' }> = " + usual_own_line() + ";\n";
   return {"web/src/contract/exercises.gen.ts", out};
 }
 

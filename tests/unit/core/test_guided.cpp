@@ -343,7 +343,8 @@ TEST(Guided, EveryFieldIsHeldAgainstItsRange) {
     GuidedField field;
   };
   const Case cases[] = {
-      {"no such shape", {static_cast<GuidedShape>(6), false, 2, 0, 0.3, 1}, GuidedField::shape},
+      {"no such shape", {static_cast<GuidedShape>(7), false, 2, 0, 0.3, 1}, GuidedField::shape},
+      {"an own line, which no command carries", {GuidedShape::own, false, 0, 0.5, 0.3, 1}, GuidedField::shape},
       {"shape zero", {static_cast<GuidedShape>(0), false, 2, 0, 0.3, 1}, GuidedField::shape},
       {"too short", {GuidedShape::straight, false, 0.4, 0, 0.3, 1}, GuidedField::size},
       {"size no number", {GuidedShape::square, false, kNan, 0, 0.3, 1}, GuidedField::size},

@@ -517,6 +517,46 @@ TEST(Metrics, agree_with_the_laws_run_on_the_exported_columns) {
   }
 }
 
+TEST(Metrics, AWalkAlongAnOwnSquareHasTheFiguresOfTheSquare) {
+  Fixture f;
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::square(3.2), 14.0);
+  const auto recorded = [&](const std::string& exercise) {
+    SessionStart start = start_of_walk();
+    start.exercise_json = exercise;
+    f.record(start, walk);
+    f.end();
+    return f.id;
+  };
+  const std::string task = R"("version":1,"ends":"distance","goal":1,"edge_m":0,"repetition":1,"repetitions":3,"rest_s":60)";
+  const SessionId square = recorded(R"({"shape":"square","side_m":3.2,"task":{"task":"square",)" + task + "}}");
+  const SessionId own = recorded(
+      R"({"shape":"own","closed":true,"x_m":[-1.6,1.6,1.6,-1.6],"y_m":[-1.6,-1.6,1.6,1.6],"task":{"task":"own_line","line":"Hall",)" +
+      task + "}}");
+  const Result<SessionMetrics> of_square = session_metrics(f.database, square), of_own = session_metrics(f.database, own);
+  ASSERT_TRUE(of_square.ok() && of_own.ok());
+  EXPECT_EQ(of_own->shape, "own");
+  for (std::size_t i = 0; i < kMetrics.size(); ++i) {
+    const Figure &expected = of_square->figures[i], &figure = of_own->figures[i];
+    EXPECT_EQ(figure.why, expected.why) << kMetrics[i].key;
+    ASSERT_EQ(figure.value.has_value(), expected.value.has_value()) << kMetrics[i].key;
+    if (figure.value) {
+      EXPECT_NEAR(*figure.value, *expected.value, 1e-9) << kMetrics[i].key;
+    }
+  }
+  for (const char* key : {"C", "J_N", "J_T_m_s", "rms_lateral_m", "rms_heading_rad", "cross_track_mean_m", "cross_track_max_m",
+                          "completion_norm", "lap_time_mean_s", "reference_length_m", "task_time_s"})
+    EXPECT_TRUE((*of_own)[key].value) << key;
+  // The tool tells what REST answers, and every export carries line and name.
+  const json told =
+      json::parse(run(std::string(HOIST_BINARY_DIR) + "/bin/hoist metrics " + (f.dir / "hoist.db").string() + " " + std::to_string(own)));
+  EXPECT_EQ(told, *session_metrics_json(f.database, own));
+  const json exported = json::parse(run(std::string(HOIST_BINARY_DIR) + "/bin/hoist export " + (f.dir / "hoist.db").string() + " " +
+                                        std::to_string(own) + " --format json --columns mode"));
+  EXPECT_EQ(exported["metrics"], told);
+  EXPECT_EQ(exported.at("session").at("exercise").at("x_m"), (json{-1.6, 1.6, 1.6, -1.6}));
+  EXPECT_EQ(exported.at("session").at("task").at("line"), "Hall");
+}
+
 SessionMetrics metrics_of(const std::vector<TickRecord>& records) {
   Fixture f;
   SessionStart start = start_of_walk();

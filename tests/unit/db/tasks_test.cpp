@@ -15,11 +15,13 @@ namespace {
 using nlohmann::json;
 
 TEST(Tasks, EveryFileIsOneAndAllThatItAllowsCanBeWalked) {
-  ASSERT_GE(tasks().size(), 12U);
+  ASSERT_GE(tasks().size(), 13U);
   for (const TaskInfo& task : tasks()) {
     SCOPED_TRACE(task.name);
     for (const auto end : {&TaskRange::least, &TaskRange::usual, &TaskRange::most}) {
       json wish{{"task", task.name}, {"goal", task.goal.*end}, {"repetitions", task.repetitions.*end}, {"rest_s", task.rest_s.*end}};
+      if (task.shape == contract::ExerciseShape::own)
+        wish["line"] = {{"name", "Hall"}, {"exercise", exercise_json(contract::usual_exercise(task.shape), ExerciseNames::told)}};
       for (const TaskSize& size : task.sizes)
         wish["sizes"][std::string(contract::find_size(task.shape, size.role)->name)] = size.range.*end;
       std::vector<ExerciseProblem> problems;
@@ -29,10 +31,12 @@ TEST(Tasks, EveryFileIsOneAndAllThatItAllowsCanBeWalked) {
       const std::string stored = stored_with_task(choice->exercise, task_record(*choice, 2));
       EXPECT_TRUE(check_exercise(stored).ok()) << stored;
       EXPECT_EQ(task_of_stored(stored)->repetition, 2U);
-      if (task.shape == contract::ExerciseShape::free) continue;
+      EXPECT_EQ(task_of_stored(stored)->line, wish.contains("line") ? "Hall" : "");
+      EXPECT_EQ(std::ranges::count(task.leads, contract::Mode::guided) != 0, contract::drivable(task.shape));
+      if (!contract::drivable(task.shape)) continue;
       // What the hoist may lead, it can: by the core's own check, with the usual limits.
       contract::GuidedPath path;
-      static_cast<contract::Exercise&>(path) = choice->exercise;
+      static_cast<contract::SizedExercise&>(path) = choice->exercise;
       path.speed_m_s = 0.2;
       const contract::GuidedProblems wrong = contract::check_guided(path, contract::guided_limits(contract::Params{}));
       EXPECT_EQ(wrong.count, 0U) << stored << static_cast<int>(wrong.rows[0].field) << ' ' << wrong.rows[0].value;
@@ -67,6 +71,33 @@ TEST(Tasks, AFileThatIsNoTaskIsRefusedByName) {
   EXPECT_NE(changed({{"sizes", nullptr}}).find("sizes is missing"), std::string::npos) << "a merged null takes it out";
   const std::string_view twice[] = {task_list()[0], task_list()[0]};
   EXPECT_NE(read_tasks(twice).error().message.find("another"), std::string::npos);
+}
+
+TEST(Tasks, AnOwnLineIsAskedForWithNameAndPointsOnly) {
+  const json good{{"task", "own_line"},
+                  {"line", {{"name", "Hall"}, {"exercise", {{"shape", "own"}, {"closed", false}, {"x_m", {0, 2}}, {"y_m", {0, 1}}}}}}};
+  const auto field = [](const json& wish) -> std::string {
+    std::vector<ExerciseProblem> problems;
+    const auto choice = read_task_choice(wish, problems);
+    EXPECT_NE(choice.has_value(), !problems.empty());
+    return problems.empty() ? "" : problems.front().field;
+  };
+  EXPECT_EQ(field(good), "");
+  const auto changed = [&](const json& patch) {
+    json wish = good;
+    wish.merge_patch(patch);
+    return field(wish);
+  };
+  EXPECT_EQ(changed({{"line", nullptr}}), "line");
+  EXPECT_EQ(changed({{"line", {{"name", ""}}}}), "line.name");
+  EXPECT_EQ(changed({{"line", {{"name", std::string(65, 'x')}}}}), "line.name");
+  EXPECT_EQ(changed({{"line", {{"exercise", nullptr}}}}), "line.exercise.shape");
+  EXPECT_EQ(changed({{"line", {{"exercise", {{"x_m", {0, 60}}}}}}}), "line.exercise.x_m.1");
+  EXPECT_EQ(changed({{"line", {{"exercise", {{"shape", "free"}, {"closed", nullptr}, {"x_m", nullptr}, {"y_m", nullptr}}}}}}),
+            "line.exercise.shape");
+  EXPECT_EQ(changed({{"goal", 2}}), "goal") << "an open line has no laps";
+  EXPECT_EQ(changed({{"clockwise", true}}), "clockwise");
+  EXPECT_EQ(changed({{"task", "free_walk"}}), "line") << "of this task only";
 }
 
 TEST(Tasks, ARecordingSaysItsTaskAndRefusesWhatIsNone) {

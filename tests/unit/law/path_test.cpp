@@ -1,8 +1,9 @@
 // The reference figures: geometry that must fit together, and projection against brute force.
-#include "control/contract/reference_path.hpp"
+#include "control/contract/exercises.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,6 +13,13 @@
 
 namespace hoist::contract {
 namespace {
+
+OwnLine line_of(const std::vector<FloorPoint>& points, bool closed) {
+  OwnLine line;
+  line.closed = closed;
+  for (const FloorPoint& point : points) line.points[line.count++] = point;
+  return line;
+}
 
 std::vector<ReferencePath> figures() {
   return {ReferencePath::square(),
@@ -23,6 +31,12 @@ std::vector<ReferencePath> figures() {
           ReferencePath::round_square(1.0, 0.5),
           ReferencePath::slalom(2.0),
           ReferencePath::slalom(1.5).mirrored(),
+          ReferencePath::own(kUsualOwnLine, 0.5),
+          ReferencePath::own(kUsualOwnLine, 0.0),
+          ReferencePath::own(kUsualOwnLine, 20.0),
+          ReferencePath::own(line_of({{0, 0}, {1, 0}, {1.5, 1}, {0.4, 1.2}, {0.4, -1}}, false), 0.3),
+          ReferencePath::own(line_of({{0.3, 0.2}, {-1, 2}}, false), 0.5),
+          ReferencePath::own(kUsualOwnLine, 0.5).mirrored(),
           ReferencePath::square().mirrored(),
           ReferencePath::eight().mirrored()};
 }
@@ -72,6 +86,59 @@ TEST(ReferencePath, HeadingIsTheTangentAndCurvatureItsSlope) {
     }
     EXPECT_GT(smooth, 1900);
   }
+}
+
+TEST(ReferencePath, AnOwnSquareIsTheSquare) {
+  // Sharp from its corner, round from the middle of its first side.
+  const OwnLine drawn = line_of({{-1.5, -1.5}, {1.5, -1.5}, {1.5, 1.5}, {-1.5, 1.5}}, true);
+  for (const double radius_m : {0.0, 0.4, 1.5}) {
+    const ReferencePath own = ReferencePath::own(drawn, radius_m);
+    const ReferencePath square = radius_m > 0 ? ReferencePath::round_square(3.0, radius_m) : ReferencePath::square(3.0);
+    ASSERT_NEAR(own.length_m(), square.length_m(), 1e-12) << radius_m;
+    EXPECT_TRUE(own.closed());
+    for (double s_m = 0.001; s_m < 2.5 * square.length_m(); s_m += 0.013) {
+      const PathPose a = own.pose(s_m), b = square.pose(s_m);
+      ASSERT_NEAR(a.x_m, b.x_m, 1e-12) << s_m;
+      ASSERT_NEAR(a.y_m, b.y_m, 1e-12) << s_m;
+      ASSERT_NEAR(a.psi_rad, b.psi_rad, 1e-12) << s_m;
+      ASSERT_NEAR(a.kappa_per_m, b.kappa_per_m, 1e-12) << s_m;
+    }
+  }
+}
+
+TEST(ReferencePath, AnOwnLineTakesTheRadiusThatFitsAndRefusesWhatIsNoLine) {
+  // An L of 4 m and 1 m: at most half of the short side belongs to the corner.
+  const OwnLine corner = line_of({{0, 0}, {4, 0}, {4, 1}}, false);
+  const auto tightest_m = [](const ReferencePath& path) {
+    double most = 0;
+    for (double s_m = 0; s_m < path.length_m(); s_m += 0.001) most = std::max(most, std::fabs(path.pose(s_m).kappa_per_m));
+    return 1 / most;
+  };
+  EXPECT_NEAR(tightest_m(ReferencePath::own(corner, 0.3)), 0.3, 1e-12);
+  EXPECT_NEAR(tightest_m(ReferencePath::own(corner, 3.0)), 0.5, 1e-12);
+  EXPECT_NEAR(ReferencePath::own(corner, 3.0).length_m(), 3.5 + 0.5 + 0.5 * std::numbers::pi / 2, 1e-12);
+  EXPECT_FALSE(ReferencePath::own(corner, 0.3).closed());
+  // There and back has no room for an arc: it turns on the spot.
+  const ReferencePath back = ReferencePath::own(line_of({{0, 0}, {2, 0}, {0, 0}}, false), 0.5);
+  EXPECT_EQ(back.length_m(), 4.0);
+  EXPECT_NEAR(std::fabs(back.pose(3.0).psi_rad), std::numbers::pi, 1e-12);
+  const ReferencePath most = ReferencePath::own(
+      [] {
+        OwnLine line;
+        line.closed = true;
+        for (line.count = 0; line.count < kOwnPointsMost; ++line.count) {
+          const double angle_rad = 2.0 * std::numbers::pi * static_cast<double>(line.count) / static_cast<double>(kOwnPointsMost);
+          line.points[line.count] = {3.0 * std::cos(angle_rad), 3.0 * std::sin(angle_rad)};
+        }
+        return line;
+      }(),
+      1.0);
+  EXPECT_NEAR(most.pose(3.0 * most.length_m()).psi_rad - most.pose(0.0).psi_rad, 6.0 * std::numbers::pi, 1e-9);
+  for (const OwnLine& none :
+       {line_of({}, false), line_of({{0, 0}}, false), line_of({{0, 0}, {1, 0}}, true), line_of({{0, 0}, {0, 0}}, false),
+        line_of({{0, 0}, {51, 0}}, false), line_of({{0, 0}, {std::nan(""), 0}}, false)})
+    EXPECT_FALSE(ReferencePath::own(none, 0.5).valid());
+  EXPECT_FALSE(ReferencePath::own(corner, -0.5).valid());
 }
 
 TEST(ReferencePath, SquareCountsTurnsAndTheEightDoesNot) {

@@ -361,6 +361,8 @@ TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
   const std::string visit = "/api/v1/visits/" + get("/api/v1/visits").json()["items"][0]["id"].dump();
   const std::string marker = session + "/markers/" + get(session + "/markers").json()["items"][0]["number"].dump();
   const std::string profile = "/api/v1/profiles/" + call("POST", people + "/profiles", {{"name", "usual"}}).json()["id"].dump();
+  const json own{{"shape", "own"}, {"closed", false}, {"x_m", {0, 2}}, {"y_m", {0, 1}}};
+  const std::string line = "/api/v1/lines/" + call("POST", "/api/v1/lines", {{"name", "Hall"}, {"exercise", own}}).json()["id"].dump();
   add_user("anna");
   const json token = add_token("anna");
 
@@ -377,6 +379,8 @@ TEST_F(History, EverythingThatIsEditedCarriesItsTagAndRefusesAnOldOne) {
       {"change_visit", "PATCH", visit, {{"note", "tired"}}, visit},
       {"change_profile", "PATCH", profile, {{"name", "other"}}, profile},
       {"delete_profile", "DELETE", profile, nullptr, profile},
+      {"change_line", "PATCH", line, {{"name", "Yard"}}, line},
+      {"delete_line", "DELETE", line, nullptr, line},
       {"change_session", "PATCH", session, {{"note", "calm"}}, session},
       {"change_marker", "PATCH", marker, {{"text", "Helped"}}, ""},
       {"delete_marker", "DELETE", marker, nullptr, ""},
@@ -471,6 +475,7 @@ TEST_F(History, EveryListThatCanGrowIsReadInPages) {
                                                                          {"list_visits", {"/api/v1/visits", 1}},
                                                                          {"list_patients", {"/api/v1/patients", 2}},
                                                                          {"get_trend", {people + "/trend", 2}},
+                                                                         {"list_lines", {"/api/v1/lines", 0}},
                                                                          {"list_profiles", {people + "/profiles", 2}},
                                                                          {"list_profile_versions", {profile + "/versions", 1}},
                                                                          {"list_events", {session + "/events", 3}},

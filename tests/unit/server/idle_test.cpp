@@ -16,6 +16,7 @@
 #include "control/run/heap_watch.hpp"
 #include "server/actions/action_table.hpp"
 #include "server/actions/actions.hpp"
+#include "server/actions/lines.hpp"
 #include "server/actions/patients.hpp"
 #include "server/actions/records.hpp"
 #include "server/http/compress.hpp"
@@ -373,7 +374,7 @@ namespace calls {
 #define CALL(name, ...) \
   void name(Services& services, const Asker& asker, OutcomeDone done) { __VA_ARGS__; }
 const json kNone, kEmpty = json::object(), kUser = "user", kStandby = "standby", kPatient = 7U, kTask{{"task", "circle"}},
-                  kRehearsal{{"rehearsal", "trip"}};
+                  kRehearsal{{"rehearsal", "trip"}}, kOwn = exercise_json(contract::usual_exercise(contract::ExerciseShape::own));
 CALL(take_lease, act_take_lease(services, asker, true, done))
 CALL(release_lease, act_release_lease(services, asker, done))
 CALL(ask_lease, act_ask_lease(services, asker, false, done))
@@ -423,6 +424,9 @@ CALL(create_profile, act_create_profile(services, asker, 7, "mornings", kNone, d
 CALL(change_profile, act_change_profile(services, asker, 7, {.name = "evenings", .settings = kNone}, "", done))
 CALL(delete_profile, act_delete_profile(services, asker, 7, "", done))
 CALL(apply_profile, act_apply_profile(services, asker, 7, 0U, done))
+CALL(create_line, act_create_line(services, asker, {.name = "Hall", .exercise = kOwn}, done))
+CALL(change_line, act_change_line(services, asker, 7, {.name = "Yard", .exercise = kNone}, "", done))
+CALL(delete_line, act_delete_line(services, asker, 7, "", done))
 #undef CALL
 }  // namespace calls
 

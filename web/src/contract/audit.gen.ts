@@ -176,6 +176,18 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     done: { en: 'put a patient\'s saved settings in force', de: 'hat gespeicherte Einstellungen übernommen' },
     tried: { en: 'put a patient\'s saved settings in force', de: 'gespeicherte Einstellungen übernehmen' },
   },
+  create_line: {
+    done: { en: 'drew a line', de: 'hat eine Linie gezeichnet' },
+    tried: { en: 'draw a line', de: 'eine Linie zeichnen' },
+  },
+  change_line: {
+    done: { en: 'changed a line', de: 'hat eine Linie geändert' },
+    tried: { en: 'change a line', de: 'eine Linie ändern' },
+  },
+  delete_line: {
+    done: { en: 'deleted a line', de: 'hat eine Linie gelöscht' },
+    tried: { en: 'delete a line', de: 'eine Linie löschen' },
+  },
   change_parameters: {
     done: { en: 'changed settings', de: 'hat Einstellungen geändert' },
     tried: { en: 'change settings', de: 'Einstellungen ändern' },

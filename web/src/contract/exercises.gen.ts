@@ -55,6 +55,11 @@ export const exercises: readonly ExerciseInfo[] = [
       { name: 'spacing_m', title: { en: 'Pole spacing', de: 'Abstand' }, required: true, usual_m: 2, driven_least_m: 1.75, driven_most_m: 10, share: 0 },],
   },
   {
+    shape: 'own', title: { en: 'Own line', de: 'Eigene Linie' }, turned: false, closed: true, usual_length_m: 11.878,
+    sizes: [
+      { name: 'corner_radius_m', title: { en: 'Corners', de: 'Ecken' }, required: false, usual_m: 0.5, driven_least_m: 0.3, driven_most_m: 20, share: 0 },],
+  },
+  {
     shape: 'free', title: { en: 'Free', de: 'Frei' }, turned: false, closed: false, usual_length_m: 0,
     sizes: [],
   },
@@ -68,4 +73,7 @@ export const usualExercise = {
   eight: { shape: 'eight', c_m: 1, radius_m: 0.8 },
   slalom: { shape: 'slalom', spacing_m: 2 },
   free: { shape: 'free' },
-} as const satisfies { [S in Exercise['shape']]: Extract<Exercise, { shape: S }> };
+} as const satisfies { [S in Exclude<Exercise['shape'], 'own'>]: Extract<Exercise, { shape: S }> };
+
+/** An own line for examples. */
+export const usualOwnLine: Extract<Exercise, { shape: 'own' }> = { shape: 'own', closed: true, x_m: [0, 4, 4, 2, 0], y_m: [0, 0, 2, 3, 2], corner_radius_m: 0.5 };

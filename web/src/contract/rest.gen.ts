@@ -54,7 +54,7 @@ export type AlarmPauseRequest = {
 };
 
 /** What was done or tried: an action, or a REST operation. */
-export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'choose_rehearsal' | 'pause_alarm' | 'stop' | 'acknowledge';
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'create_line' | 'change_line' | 'delete_line' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'choose_rehearsal' | 'pause_alarm' | 'stop' | 'acknowledge';
 
 export type AuditCheck = {
   first_wrong: number | null;
@@ -342,6 +342,16 @@ export type Exercise = {
   shape: 'slalom';
   /** Between its four poles; the line passes them at 0.29 of it. */
   spacing_m: number;
+} | {
+  /** The last point is joined to the first; then at least three. */
+  closed: boolean;
+  /** Of the corners, smaller where a straight is too short for it; without it, or 0, they are sharp. */
+  corner_radius_m?: number | null;
+  shape: 'own';
+  /** Of the points, in whole centimetres, in the order of walking; neighbours are at least 0.2 m apart. */
+  x_m: readonly number[];
+  /** As many as x_m. */
+  y_m: readonly number[];
 } | {
   shape: 'free';
 };
@@ -734,6 +744,41 @@ export type LeaseRequest = {
 export type LeaseResult = {
   epoch: number;
   holder: number;
+};
+
+export type Line = {
+  etag: EditTag;
+  exercise: Exercise;
+  id: number;
+  /** Once along it, with its round corners. */
+  length_m: number;
+  name: string;
+  saved_utc_ms: number;
+  /** Counts the savings. */
+  version: number;
+};
+
+export type LineList = {
+  items: readonly Line[];
+  next: string | null;
+};
+
+/** One line, at most 64 bytes of UTF-8; of a place, never of a patient. */
+export type LineName = string;
+
+/** Name of the own line; null: none. */
+export type LineOrNull = string | null;
+
+export type LinePatch = {
+  /** Of the shape own. */
+  exercise?: Exercise;
+  name?: LineName;
+};
+
+export type LineRequest = {
+  /** Of the shape own. */
+  exercise: Exercise;
+  name: LineName;
 };
 
 /** Version of the parameters that were looked at; refused when others have changed them meanwhile. */
@@ -1761,6 +1806,8 @@ export type TaskRecord = {
   edge_m: number;
   ends: TaskEnd;
   goal: number;
+  /** Name of the own line, as it was then; left out: none. */
+  line?: string;
   repetition: number;
   repetitions: number;
   rest_s: number;
@@ -1773,6 +1820,8 @@ export type TaskRequest = {
   clockwise?: boolean | null;
   /** Of its end: times along the line, seconds, radians, metres. */
   goal?: number | null;
+  /** Of the task own_line: what is walked, and what it is called. */
+  line?: LineRequest | null;
   repetitions?: number | null;
   rest_s?: number | null;
   sizes?: Record<string, number> | null;
@@ -1787,6 +1836,7 @@ export type TaskState = {
   ended_tick: number | null;
   ends: TaskEnd;
   goal: number;
+  line: LineOrNull;
   /** Its end was reached. */
   reached: boolean;
   /** The latest one that was begun; 0 = none yet. */
@@ -2266,6 +2316,34 @@ export interface Routes {
   'POST /api/v1/lease/keep': {
     body?: Empty;
     answer: Done;
+  };
+  /** Own lines on the floor, newest first; the task own_line is walked along one of them. */
+  'GET /api/v1/lines': {
+    query?: { limit?: number; cursor?: string };
+    answer: LineList;
+  };
+  /** Saves a line under a name. */
+  'POST /api/v1/lines': {
+    body: LineRequest;
+    answer: Line;
+  };
+  /** Deletes an own line; sessions keep the line that they walked. */
+  'DELETE /api/v1/lines/{id}': {
+    path: { id: number };
+    etag: string | null;
+    answer: null;
+  };
+  /** One own line. */
+  'GET /api/v1/lines/{id}': {
+    path: { id: number };
+    answer: Line;
+  };
+  /** Renames an own line, or saves it anew; sessions keep the line that they walked. */
+  'PATCH /api/v1/lines/{id}': {
+    path: { id: number };
+    body: LinePatch;
+    etag: string | null;
+    answer: Line;
   };
   /** How punctual the control loop is: lateness in buckets, steps left out, page faults, what the computer granted. */
   'GET /api/v1/loop': {

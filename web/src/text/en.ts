@@ -1,4 +1,5 @@
 import type { FirstKey } from './first';
+import type { TasksKey } from './tasks';
 
 // All texts of the console that are neither in a table nor in first.ts; loaded separately. A test compares de.ts with it.
 export const en = {
@@ -368,45 +369,12 @@ export const en = {
   'drive.heading': 'Heading',
   'drive.slowLink': 'The connection is slow ({n} ms): drive carefully.',
   'drive.tooSlow': 'The connection is too slow to drive ({n} ms).',
-  'guided.end': 'End the exercise',
   'guided.hold': 'Hold to go',
   'guided.held': 'Let go to stop',
-  'guided.locked': 'Start first, then hold here',
   'guided.other': 'Someone else leads',
-  'guided.hint': 'Key: arrow up or W while held',
-  'guided.speed': 'Speed',
-  'guided.laps': 'Laps',
-  'guided.side2': 'Turns to the',
-  'guided.firstLoop': 'First loop',
-  'guided.left': 'left',
-  'guided.right': 'right',
-  'guided.sharp': 'sharp',
-  'guided.less': '{what}: less',
-  'guided.more': '{what}: more',
-  'guided.needs': 'Needs {along} × {across} m of free floor.',
-  'guided.takes': '{length} m, about {time} min.',
-  'guided.polesLeft': 'Poles: the first {ahead} m ahead of the start and {aside} m to its left, the others each {ahead} m further.',
-  'guided.polesRight': 'Poles: the first {ahead} m ahead of the start and {aside} m to its right, the others each {ahead} m further.',
-  'guided.slower': 'In curves {speed} m/s.',
-  'guided.progress': 'How much of the exercise is done',
-  'guided.remaining': 'Remaining',
-  'guided.offLine': 'Path error',
   'guided.finished': 'The exercise is finished.',
   'guided.off_path': 'The hoist left the path and stopped. Start the task again.',
 
-  'task.label': 'Task',
-  'task.leads': 'Who leads',
-  'task.patient': 'Patient leads',
-  'task.therapist': 'Therapist drives',
-  'task.hoist': 'Hoist leads',
-  'task.start': 'Start the task',
-  'task.time': 'Time',
-  'task.away': 'Turn after',
-  'task.repetitions': 'Repetitions',
-  'task.rest': 'Rest',
-  'task.noLine': 'No line on the floor: anywhere with room to turn.',
-  'task.onWalk': 'Opens Walk: the patient leads along the drawn line.',
-  'task.onDrive': 'Opens Drive: drive along the drawn line.',
   'task.repetition': 'Repetition {n} of {of}',
   'task.ready': 'Not begun',
   'task.under': '{time} under way',
@@ -853,4 +821,4 @@ export const en = {
   'role.engineer': 'Engineer',
 };
 export type Table = Readonly<Record<keyof typeof en, string>>;
-export type TextKey = keyof typeof en | FirstKey;
+export type TextKey = keyof typeof en | FirstKey | TasksKey;

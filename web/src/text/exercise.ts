@@ -8,4 +8,4 @@ export const exerciseRow = (shape: Exercise['shape']): ExerciseInfo => exercises
 export const exerciseTitle = (shape: Exercise['shape']): string => words(exerciseRow(shape).title);
 
 /** The size that a shape is chosen by: its first one. */
-export const firstSize = (shape: Exclude<Exercise['shape'], 'free'>): ExerciseSizeInfo => exerciseRow(shape).sizes[0]!;
+export const firstSize = (shape: Exclude<Exercise['shape'], 'free' | 'own'>): ExerciseSizeInfo => exerciseRow(shape).sizes[0]!;

@@ -10,6 +10,13 @@ const files: Readonly<Record<Language, () => Promise<Table>>> = {
   de: async () => (await import('./de')).de,
 };
 const tables: Partial<Record<Language, Table>> = {};
+type Part = Readonly<Record<Language, Readonly<Record<string, string>>>>;
+const parts: Part[] = [first];
+
+/** Texts that come with a screen. */
+export function addTexts(part: Part): void {
+  if (!parts.includes(part)) parts.push(part);
+}
 
 /** Loads the texts of a language, once; rejects when they cannot be loaded. */
 export async function loadLanguage(language: Language): Promise<void> {
@@ -32,7 +39,7 @@ export function offerLanguage(language: Language | null): void {
   if (wantsOffered(language)) void chooseLanguage(language, true);
 }
 
-/** The text in the chosen language, whose words must have been loaded unless the key is one of first.ts. */
+/** The text in the chosen language, whose words must have been loaded unless the key is one of first.ts or of the screen's own. */
 export function t(key: TextKey, values: Record<string, string | number> = {}): string {
   return filled(textOf(key) ?? key, values);
 }
@@ -45,7 +52,7 @@ export function filled(text: string, values: Record<string, string | number>): s
 /** The same for a received key; null for an unknown one. */
 export function textOf(key: string): string | null {
   const { language } = settings.value;
-  for (const table of [first[language], tables[language]] as (Readonly<Record<string, string>> | undefined)[])
+  for (const table of [...parts.map((part) => part[language]), tables[language]] as (Readonly<Record<string, string>> | undefined)[])
     if (table !== undefined && Object.hasOwn(table, key)) return table[key]!;
   return null;
 }

@@ -2,11 +2,9 @@
 // (square counter-clockwise from its lower left corner; eight from the crossing, right circle first; all others from the origin along x, to the
 // left).
 import type { Exercise } from '../contract/rest.gen';
+import { ownPath, type Point } from './own_line';
 
-export interface Point {
-  x: number;
-  y: number;
-}
+export type { Point };
 
 const arcSteps = 48;
 /** A slalom goes round so many poles and crosses their line at this angle (control/contract/reference_path.hpp). */
@@ -99,13 +97,15 @@ function leftHanded(exercise: Exercise): Point[] {
         { x: 0, y: 0 },
       ];
     }
+    case 'own':
+      return ownPath(exercise).points;
     case 'free':
       return [];
   }
 }
 
 /** Margin around the line: half a hoist's diagonal and a hand's breadth. */
-const beside_m = 0.7;
+export const beside_m = 0.7;
 
 /** The free floor that a figure needs, rounded up to half metres: along the first view of the hoist, and across. */
 export function floorSpace(exercise: Exercise): { along_m: number; across_m: number } {

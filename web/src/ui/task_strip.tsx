@@ -43,7 +43,7 @@ function Strip({ task }: { task: TaskState }) {
   };
   return (
     <div class="task-strip">
-      <strong>{titleOf(task.task)}</strong>
+      <strong>{task.line ?? titleOf(task.task)}</strong>
       <span>{t('task.repetition', { n: Math.max(1, task.repetition), of: task.repetitions })}</span>
       <span class="num" role="timer">
         {t(phase.key, { time: duration(phase.seconds) })}

@@ -1,34 +1,38 @@
 // Clinical tasks: choose one, adjust it, say who leads, start. Where the hoist leads, hold-to-run is here; the patient leads on Walk, the
 // therapist drives on Drive, both with the line on the floor view.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { chooseTask, requestGuided, requestMode } from '../../link/console';
+import { chooseTask, notify, requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
 import { useQuery } from '../../link/query';
 import { tooSlow, useReadiness } from '../../link/readiness';
-import { rest } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import type { Reply } from '../../link/socket';
 import { figure, useStore } from '../../link/store';
 import { useTopic } from '../../link/wants';
 import { addressOf, go } from '../../router';
-import type { Task, TaskRange } from '../../contract/rest.gen';
+import type { Line, Task } from '../../contract/rest.gen';
 import { exerciseRow } from '../../text/exercise';
 import { told } from '../../text/seldom';
 import { useSettings } from '../../text/settings';
-import { degrees, duration, fixed, t, words } from '../../text/text';
+import { tasks as texts } from '../../text/tasks';
+import { addTexts, degrees, duration, fixed, t, words } from '../../text/text';
 import { Trouble } from '../../ui/field';
 import { FloorView } from '../../ui/floor_view';
 import { floorSpace, polesOf } from '../../ui/geometry';
 import { HoldToGo } from '../../ui/hold_to_go';
+import { ownPath } from '../../ui/own_line';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { SlowLink, tooSlowText } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
+import { LineEditor } from './line_editor';
 import {
   adjustable,
   curveSpeed_m_s,
   duration_s,
   exerciseOf,
+  hasLaps,
   isChosen,
   length_m,
   pathOf,
@@ -40,44 +44,13 @@ import {
   type Lead,
   type Plan,
 } from './plan';
+import { Stepper } from './stepper';
 import './exercises.css';
+
+addTexts(texts);
 
 /** Kept while the console is open, also across screens. */
 let kept: Plan | null = null;
-
-interface StepperProps {
-  label: string;
-  text: string;
-  range: TaskRange;
-  value: number;
-  change: (value: number) => void;
-}
-function Stepper({ label, text, range, value, change }: StepperProps) {
-  return (
-    <div class="stepper" role="group" aria-label={label}>
-      <span class="stepper-label">{label}</span>
-      <button
-        type="button"
-        class="plain"
-        aria-label={t('guided.less', { what: label })}
-        disabled={value <= range.least + 1e-6}
-        onClick={() => change(stepped(range, value, -1))}
-      >
-        −
-      </button>
-      <span class="stepper-value num">{text}</span>
-      <button
-        type="button"
-        class="plain"
-        aria-label={t('guided.more', { what: label })}
-        disabled={value >= range.most - 1e-6}
-        onClick={() => change(stepped(range, value, 1))}
-      >
-        +
-      </button>
-    </div>
-  );
-}
 
 function Direction({ plan, change }: { plan: Plan; change: (part: Partial<Plan>) => void }) {
   // An eight begins with the right loop, every other figure turns left.
@@ -105,19 +78,20 @@ function Direction({ plan, change }: { plan: Plan; change: (part: Partial<Plan>)
 
 function Goal({ plan, change }: { plan: Plan; change: (part: Partial<Plan>) => void }) {
   const { by, goal } = plan.task.ends;
-  if (!adjustable(goal)) return null;
+  if (!adjustable(goal) || (by === 'distance' && !hasLaps(plan))) return null;
   const [label, text] =
     by === 'time'
       ? [t('task.time'), `${duration(plan.goal)} min`]
       : by === 'back'
         ? [t('task.away'), `${fixed(plan.goal, 1)} m`]
         : [t('guided.laps'), fixed(plan.goal, 0)];
-  return <Stepper label={label} text={text} range={goal} value={plan.goal} change={(value) => change({ goal: value })} />;
+  return <Stepper label={label} text={text} range={goal} value={plan.goal} step={(by) => change({ goal: stepped(goal, plan.goal, by) })} />;
 }
 
 function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: Partial<Plan>) => void; speedMost_m_s: number }) {
   const { task } = plan;
   const row = exerciseRow(exerciseOf(plan).shape);
+  const speedRange = { ...speeds, most: Math.max(speeds.least, Math.min(speeds.most, speedMost_m_s)) };
   return (
     <div class="guided-settings">
       {row.sizes
@@ -133,7 +107,7 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
             }
             range={task.sizes[name]!}
             value={plan.sizes[name]!}
-            change={(value) => change({ sizes: { ...plan.sizes, [name]: value } })}
+            step={(by) => change({ sizes: { ...plan.sizes, [name]: stepped(task.sizes[name]!, plan.sizes[name]!, by) } })}
           />
         ))}
       <Goal plan={plan} change={change} />
@@ -142,9 +116,9 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
         <Stepper
           label={t('guided.speed')}
           text={`${fixed(plan.speed_m_s, 2)} m/s`}
-          range={{ ...speeds, most: Math.max(speeds.least, Math.min(speeds.most, speedMost_m_s)) }}
+          range={speedRange}
           value={plan.speed_m_s}
-          change={(speed_m_s) => change({ speed_m_s })}
+          step={(by) => change({ speed_m_s: stepped(speedRange, plan.speed_m_s, by) })}
         />
       ) : null}
       <Stepper
@@ -152,14 +126,14 @@ function Settings({ plan, change, speedMost_m_s }: { plan: Plan; change: (part: 
         text={fixed(plan.repetitions, 0)}
         range={task.repetitions}
         value={plan.repetitions}
-        change={(repetitions) => change({ repetitions })}
+        step={(by) => change({ repetitions: stepped(task.repetitions, plan.repetitions, by) })}
       />
       <Stepper
         label={t('task.rest')}
         text={`${duration(plan.rest_s)} min`}
         range={task.rest_s}
         value={plan.rest_s}
-        change={(rest_s) => change({ rest_s })}
+        step={(by) => change({ rest_s: stepped(task.rest_s, plan.rest_s, by) })}
       />
     </div>
   );
@@ -202,6 +176,7 @@ function Needs({ plan, yawLimit_rad_s }: { plan: Plan; yawLimit_rad_s: number })
   return (
     <p class="guided-needs">
       <strong>{t('guided.needs', { along: fixed(space.along_m, 1), across: fixed(space.across_m, 1) })}</strong>{' '}
+      {exercise.shape === 'own' ? t('line.long', { length: fixed(ownPath(exercise).length_m, 1) }) : null}
       {plan.lead === 'guided' ? t('guided.takes', { length: fixed(length_m(plan), 1), time: duration(duration_s(plan, yawLimit_rad_s)) }) : null}
       {pole === undefined
         ? ''
@@ -213,28 +188,42 @@ function Needs({ plan, yawLimit_rad_s }: { plan: Plan; yawLimit_rad_s: number })
 
 const leadTitle = { user: 'task.patient', remote: 'task.therapist', guided: 'task.hoist' } as const satisfies Record<Lead, string>;
 
-function Choice({ tasks, plan, led, choose }: { tasks: readonly Task[]; plan: Plan; led: boolean; choose: (plan: Plan) => void }) {
+interface Choices {
+  /** Without the one of own lines. */
+  tasks: readonly Task[];
+  ownTask: Task | undefined;
+  lines: readonly Line[];
+}
+
+/** Each task and each own line by a text of its own. */
+const keyOf = ({ task, own }: Pick<Plan, 'task' | 'own'>): string => (own === null ? task.name : `${task.name} ${own.id}`);
+
+function Choice({ choices, plan, led, choose }: { choices: Choices; plan: Plan; led: boolean; choose: (plan: Plan) => void }) {
+  const { tasks, ownTask, lines } = choices;
+  const pick = (key: string) => {
+    const own = lines.find((line) => ownTask !== undefined && keyOf({ task: ownTask, own: line }) === key);
+    const task = own === undefined ? tasks.find(({ name }) => name === key) : ownTask;
+    if (task !== undefined) choose(planOf(task, plan, own));
+  };
   return (
     <>
       <label class="field task-field">
         <span>{t('task.label')}</span>
-        <select
-          value={plan.task.name}
-          disabled={led}
-          onChange={(event) =>
-            choose(
-              planOf(
-                tasks.find(({ name }) => name === event.currentTarget.value)!,
-                plan,
-              ),
-            )
-          }
-        >
+        <select value={keyOf(plan)} disabled={led} onChange={(event) => pick(event.currentTarget.value)}>
           {tasks.map(({ name, title }) => (
             <option key={name} value={name}>
               {words(title)}
             </option>
           ))}
+          {ownTask === undefined || lines.length === 0 ? null : (
+            <optgroup label={t('line.all')}>
+              {lines.map((line) => (
+                <option key={line.id} value={keyOf({ task: ownTask, own: line })}>
+                  {line.name}
+                </option>
+              ))}
+            </optgroup>
+          )}
         </select>
       </label>
       <div class="choice" role="radiogroup" aria-label={t('task.leads')}>
@@ -255,17 +244,99 @@ function Choice({ tasks, plan, led, choose }: { tasks: readonly Task[]; plan: Pl
   );
 }
 
+/** Draw a line; change or delete the chosen one. */
+function LineButtons({ own, edit, deleted }: { own: Line | null; edit: (line: Line | null) => void; deleted: () => void }) {
+  const { reachable } = useReadiness();
+  const role = useStore((s) => s.role);
+  const [sure, setSure] = useState(false);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  useEffect(() => {
+    setSure(false);
+    setProblem(null);
+  }, [own?.id]);
+  if (role === 'viewer') return null;
+  const remove = async (line: Line) => {
+    const answer = await rest('DELETE /api/v1/lines/{id}', { path: { id: line.id }, etag: line.etag });
+    setProblem(answer.ok ? null : answer.problem);
+    setSure(false);
+    if (!answer.ok) return;
+    notify('info', t('line.deleted', { name: line.name }), true);
+    deleted();
+  };
+  if (own !== null && sure)
+    return (
+      <div class="line-buttons" role="group" aria-label={t('line.delete')}>
+        <span>{t('line.sure', { name: own.name })}</span>
+        <button type="button" class="plain" disabled={!reachable} onClick={() => void remove(own)}>
+          {t('line.delete')}
+        </button>
+        <button type="button" class="quiet" onClick={() => setSure(false)}>
+          {t('common.cancel')}
+        </button>
+      </div>
+    );
+  return (
+    <>
+      <div class="line-buttons">
+        <button type="button" class="plain" onClick={() => edit(null)}>
+          {t('line.draw')}
+        </button>
+        {own === null ? null : (
+          <>
+            <button type="button" class="plain" onClick={() => edit(own)}>
+              {t('line.change')}
+            </button>
+            <button type="button" class="quiet" onClick={() => setSure(true)}>
+              {t('line.delete')}
+            </button>
+          </>
+        )}
+      </div>
+      <Trouble problem={problem} />
+    </>
+  );
+}
+
 export function ExercisesView() {
   useSettings();
   const asked = useQuery(() => rest('GET /api/v1/tasks'), []);
-  const tasks = asked.value?.items ?? [];
+  const drawn = useQuery(() => wholeList((query) => rest('GET /api/v1/lines', { query })), []);
   const chosen = useStore((s) => s.task);
   const [plan, setPlan] = useState(kept);
+  const [editing, setEditing] = useState<{ line: Line | null } | null>(null);
+  const all = asked.value?.items ?? [];
+  const ownTask = all.find(({ line }) => line === 'own');
+  const tasks = all.filter((task) => task !== ownTask);
+  const lines = [...(drawn.value?.items ?? [])].sort((a, b) => a.name.localeCompare(b.name));
+  const choose = (next: Plan) => setPlan((kept = next));
+  const settled = drawn.value !== null || drawn.problem !== null;
   useEffect(() => {
+    if (plan !== null || !settled) return;
     // What another screen has chosen comes first.
-    const first = tasks.find(({ name }) => name === chosen?.task) ?? tasks[0];
-    if (plan === null && first !== undefined) setPlan((kept = planOf(first)));
-  }, [tasks.length]);
+    const own = chosen?.task === ownTask?.name ? lines.find(({ name }) => name === chosen?.line) : undefined;
+    const first = own === undefined ? (tasks.find(({ name }) => name === chosen?.task) ?? tasks[0]) : ownTask;
+    if (first !== undefined) choose(planOf(first, undefined, own));
+  }, [all.length, settled]);
+  useEffect(() => {
+    // The chosen line as it is now; the first task instead of one that is gone.
+    const own = plan?.own;
+    if (plan === null || own === null || own === undefined || drawn.value === null) return;
+    const now = lines.find(({ id }) => id === own.id);
+    if (now === undefined && tasks[0] !== undefined) choose(planOf(tasks[0], plan));
+    else if (now !== undefined && now.etag !== own.etag) choose(planOf(plan.task, plan, now));
+  }, [drawn.value]);
+  if (editing !== null)
+    return (
+      <LineEditor
+        line={editing.line}
+        close={(saved) => {
+          setEditing(null);
+          if (saved === null || ownTask === undefined) return;
+          choose(planOf(ownTask, plan ?? undefined, saved));
+          drawn.retry();
+        }}
+      />
+    );
   if (plan === null)
     return (
       <div class="drive guided">
@@ -273,7 +344,15 @@ export function ExercisesView() {
         {asked.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
       </div>
     );
-  return <Chosen tasks={tasks.length > 0 ? tasks : [plan.task]} plan={plan} setPlan={(next) => setPlan((kept = next))} />;
+  return (
+    <Chosen
+      choices={{ tasks: tasks.length > 0 ? tasks : [plan.task], ownTask, lines }}
+      plan={plan}
+      setPlan={choose}
+      edit={(line) => setEditing({ line })}
+      deleted={drawn.retry}
+    />
+  );
 }
 
 /** Only a simulated hoist offers it. */
@@ -290,7 +369,14 @@ function Rehearse() {
   );
 }
 
-function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; setPlan: (plan: Plan) => void }) {
+interface ChosenProps {
+  choices: Choices;
+  plan: Plan;
+  setPlan: (plan: Plan) => void;
+  edit: (line: Line | null) => void;
+  deleted: () => void;
+}
+function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
   const begun = useStore(figure);
@@ -341,7 +427,7 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
     <div class="drive guided">
       <div class="walk-controls task-controls">
         {/* While the hoist leads, the button to hold is on the screen: what cannot be changed then makes room. */}
-        {guided ? null : <Choice tasks={tasks} plan={plan} led={driven} choose={choose} />}
+        {guided ? null : <Choice choices={choices} plan={plan} led={driven} choose={choose} />}
         <StartEnd request={request} of={lead} startLabel={t('task.start')} endLabel={t(guided ? 'guided.end' : 'walk.end')} start={start} />
       </div>
       <Refusal request={request} />
@@ -361,6 +447,8 @@ function Chosen({ tasks, plan, setPlan }: { tasks: readonly Task[]; plan: Plan; 
           ) : (
             <p class="hint">{t(lead === 'user' ? 'task.onWalk' : 'task.onDrive')}</p>
           )}
+          {plan.own === null ? null : <p class="hint">{t('line.notLed')}</p>}
+          {driven ? null : <LineButtons own={plan.own} edit={edit} deleted={deleted} />}
         </section>
         <section class="card floor-card">
           <FloorView exercise={driven ? begun : line.current.exercise} planned={!driven && !justDone && plan.task.line !== null} />

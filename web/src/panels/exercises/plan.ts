@@ -1,12 +1,14 @@
 // A clinical task as it is to be done: its sizes and numbers, who leads, and what follows: the line, the request to the hoist, floor and time.
 import { exercises } from '../../contract/exercises.gen';
-import type { Exercise, GuidedPath, Task, TaskRange, TaskRequest, TaskState } from '../../contract/rest.gen';
+import type { Exercise, GuidedPath, Line, Task, TaskRange, TaskRequest, TaskState } from '../../contract/rest.gen';
 import { patternPoints, slalomCurve } from '../../ui/geometry';
 
 export type Lead = Task['leads'][number];
 
 export interface Plan {
   task: Task;
+  /** Of the task of own lines. */
+  own: Line | null;
   lead: Lead;
   /** Those that the task adjusts, by name. */
   sizes: Readonly<Record<string, number>>;
@@ -20,8 +22,9 @@ export interface Plan {
 }
 
 /** A task as its file has it. Who leads stays, where the task allows it. */
-export const planOf = (task: Task, before?: Pick<Plan, 'lead' | 'speed_m_s'>): Plan => ({
+export const planOf = (task: Task, before?: Pick<Plan, 'lead' | 'speed_m_s'>, own: Line | null = null): Plan => ({
   task,
+  own,
   lead: before !== undefined && task.leads.includes(before.lead) ? before.lead : task.leads[0]!,
   sizes: Object.fromEntries(Object.entries(task.sizes).map(([name, range]) => [name, range.usual])),
   goal: task.ends.goal.usual,
@@ -48,6 +51,7 @@ const rowOf = (task: Task) => exercises.find((row) => row.shape === (task.line ?
 
 /** The line for drawing, walking and recording. A size that the task does not adjust keeps its proportion to the first. */
 export function exerciseOf(plan: Plan): Exercise {
+  if (plan.own !== null) return plan.own.exercise;
   const row = rowOf(plan.task);
   const first = row.sizes[0];
   const scale = first === undefined ? 1 : (plan.sizes[first.name] ?? first.usual_m) / first.usual_m;
@@ -58,8 +62,14 @@ export function exerciseOf(plan: Plan): Exercise {
   return { shape: row.shape, ...Object.fromEntries(sizes), ...(row.turned && plan.clockwise ? { clockwise: true } : {}) } as Exercise;
 }
 
+/** Whether the line goes round, so that it may have laps. */
+export function hasLaps(plan: Plan): boolean {
+  const exercise = exerciseOf(plan);
+  return exercise.shape === 'own' ? exercise.closed : rowOf(plan.task).closed;
+}
+
 /** How often the line is gone along. */
-export const laps = (plan: Plan): number => (rowOf(plan.task).closed && plan.task.ends.by === 'distance' ? plan.goal : 1);
+export const laps = (plan: Plan): number => (hasLaps(plan) && plan.task.ends.by === 'distance' ? plan.goal : 1);
 
 export function pathOf(plan: Plan): GuidedPath {
   return { ...exerciseOf(plan), speed_m_s: plan.speed_m_s, ...(rowOf(plan.task).closed ? { laps: laps(plan) } : {}) } as GuidedPath;
@@ -72,6 +82,7 @@ export const requestOf = (plan: Plan): TaskRequest => ({
   goal: plan.goal,
   repetitions: plan.repetitions,
   rest_s: plan.rest_s,
+  ...(plan.own === null ? {} : { line: { name: plan.own.name, exercise: plan.own.exercise } }),
 });
 
 /** Whether this plan is chosen already: choosing it again would begin its repetitions anew. */
@@ -80,6 +91,7 @@ export function isChosen(plan: Plan, state: TaskState | null, exercise: Exercise
   const alike = (a: Exercise, b: Exercise): boolean =>
     Object.entries(a).every(([name, value]) => {
       const other = (b as Record<string, unknown>)[name];
+      if (Array.isArray(value)) return JSON.stringify(value) === JSON.stringify(other);
       return typeof value === 'number' && typeof other === 'number' ? Math.abs(value - other) < 1e-6 : value === other;
     });
   return (
@@ -88,6 +100,7 @@ export function isChosen(plan: Plan, state: TaskState | null, exercise: Exercise
     state.goal === plan.goal &&
     state.repetitions === plan.repetitions &&
     state.rest_s === plan.rest_s &&
+    state.line === (plan.own?.name ?? null) &&
     alike(mine, exercise) &&
     alike(exercise, mine)
   );
@@ -104,7 +117,7 @@ export function length_m(plan: Plan): number {
 const yawShare = 0.8;
 
 function curveRadius_m(exercise: Exercise): number {
-  if (exercise.shape === 'straight' || exercise.shape === 'free') return 0;
+  if (exercise.shape === 'straight' || exercise.shape === 'own' || exercise.shape === 'free') return 0;
   if (exercise.shape === 'square') return exercise.corner_radius_m ?? 0;
   return exercise.shape === 'slalom' ? slalomCurve * exercise.spacing_m : exercise.radius_m;
 }

@@ -7,6 +7,7 @@ import { addressOf } from '../../router';
 import { exerciseTitle } from '../../text/exercise';
 import { reasonText } from '../../text/server';
 import { dayText, fixed, t, withUnit, words } from '../../text/text';
+import { ownPath } from '../../ui/own_line';
 import { Trouble } from '../../ui/field';
 import { useTaskTitles } from '../../ui/task_titles';
 import { changeOf, pointsOf, runsOf, spanOf, walkedOf, type TrendChange, type TrendPoint, type Walked } from './trend_model';
@@ -75,6 +76,7 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
 
 /** "Square, 3.2 m": the task or exercise with its sizes, since each size is another one. */
 function walkedText({ exercise, task }: Walked, titleOf: (task: string) => string): string {
+  if (exercise?.shape === 'own') return [exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 1), 'm')].join(', ');
   const sizes = Object.entries(exercise ?? {}).flatMap(([name, value]) =>
     name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(fixed(value, 1), 'm')] : [],
   );

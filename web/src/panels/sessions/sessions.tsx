@@ -53,7 +53,7 @@ const samplesOf = (id: number, columns: string, points: number) =>
 
 /** What was walked: the task with its repetition, else the exercise. */
 function walkName({ exercise, task }: Pick<Session, 'exercise' | 'task'>, titleOf: (task: string) => string): string {
-  if (task !== null) return `${titleOf(task.task)}, ${fixed(task.repetition, 0)}/${fixed(task.repetitions, 0)}`;
+  if (task !== null) return `${task.line ?? titleOf(task.task)}, ${fixed(task.repetition, 0)}/${fixed(task.repetitions, 0)}`;
   return exerciseTitle(exercise === null ? 'free' : exercise.shape);
 }
 
