@@ -29,7 +29,8 @@ constexpr const char* kHelp =
     "its\n"
     "C and speed are held against the recorded ones; --against: also against those of other sessions of this patient.\n"
     "--set: other parameters (SI units) tried on the twin: shipped core, nodes and simulated machine, K walks (10 if not given) with the\n"
-    "same patients and seeds before and after, the patients drawn from the fit's spread. Nothing is changed on any hoist.\n"
+    "same patients and seeds before and after, the patients drawn from the fit's spread; only with a twin that walks as its sessions did.\n"
+    "Nothing is changed on any hoist.\n"
     "Exit code 1: this session cannot bear a fit, and why. 3: the twin does not walk as a session did (C within 0.05, speed within 10 %),\n"
     "or walks did not come to their end.\n";
 
@@ -181,13 +182,15 @@ int run(const Request& request) {
   for (std::size_t i = 0; i < others.size(); ++i)
     holds = print_check(request.against[i], "held out", check_twin(fit.patient, others[i], request.seed)) && holds;
   if (others.empty()) std::printf("No session was held out: --against SESSION names another walk of this patient.\n");
-  if (!request.changes.empty()) {
-    const bool whole = try_out(request, *session, after, fit);
-    if (!holds) std::printf("\nThis twin does NOT walk as its session did: these figures say nothing of the patient.\n");
-    std::printf("\n%s", kCannotTell);
-    holds = holds && whole;
+  if (request.changes.empty()) return holds ? kDone : kPartly;
+  if (!holds) {
+    std::printf(
+        "\nNot tried: this twin does not walk as its sessions did, so what it does with other settings says nothing of the patient.\n");
+    return kPartly;
   }
-  return holds ? kDone : kPartly;
+  const bool whole = try_out(request, *session, after, fit);
+  std::printf("\n%s", kCannotTell);
+  return whole ? kDone : kPartly;
 }
 
 }  // namespace
