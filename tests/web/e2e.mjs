@@ -93,7 +93,7 @@ async function toStandby() {
     if (mode === 'Stopped') await holdRelease();
     else if (mode === 'Patient leads' || mode === 'Therapist drives' || mode === 'Exercise') {
       await page.goto(`${stack.origin}/#/walk`);
-      await button('End').click();
+      await press(button('End')); // a busy page may still show the mode that the press before ended
     }
     await sleep(300);
   }
@@ -679,7 +679,8 @@ const cases = {
     const events = await eventsOf(session.id);
     assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
     assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
-    assert(session.task?.task === 'straight' && session.task.repetition === 1, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
+    // A repeated try of this case is the next repetition of the same task.
+    assert(session.task?.task === 'straight' && session.task.repetition >= 1 && session.task.repetition <= attemptsMax, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
   },
 
   async 'Exercises: a line is drawn by hand and by keys, saved, driven as a task, and the session keeps it when it is deleted'() {
