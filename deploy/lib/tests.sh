@@ -110,14 +110,16 @@ run_browser_tests() {
 }
 
 # run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
-# run beside the others; their output is shown when they end. Not beside the suite that walks in the guest: a browser is a session of its own,
-# and the kernel shares the processors among sessions before it looks at priorities.
+# run beside the others and each other; their output is shown when they end. Not beside the suite that walks in the guest: a browser is a session
+# of its own, and the kernel shares the processors among sessions before it looks at priorities.
 run_suites() {
   local results=$1 filter=$2 browser
   {
     until [ -e "$results/gtest/vcan_core.xml" ] || [ -e "$results/ctest.ended" ]; do sleep 1; done
+    run_web_tests "$results" "$filter" >"$results/unit.log" 2>&1 &
     run_browser_tests "$results" "$filter"
-    run_web_tests "$results" "$filter"
+    wait
+    cat "$results/unit.log"
   } >"$results/web.log" 2>&1 &
   browser=$!
   # A background job of a script does not get Ctrl-C from the terminal.
