@@ -107,8 +107,9 @@ TEST_F(Rehearsals, ASimulatorThatTakesNoRequestsRefusesThem) {
 TEST_F(Rehearsals, OnlyKnownOnesAndOnlyByTherapists) {
   EXPECT_EQ(choose("dance").status, 422);
   EXPECT_EQ(call("PUT", "/api/v1/rehearsal", json::object()).status, 422);
-  EXPECT_EQ(state()["kinds"].size(), server::kRehearsals.size());
-  for (const json& kind : state()["kinds"]) EXPECT_FALSE(kind["looks"].empty()) << kind;
+  const json kinds = state()["kinds"];
+  EXPECT_EQ(kinds.size(), server::kRehearsals.size());
+  for (const json& kind : kinds) EXPECT_FALSE(kind["looks"].empty()) << kind;
 }
 
 TEST_F(Rehearsals, TheBumperIsPressedAndLetGoAndTheResultStaysWithTheSession) {
