@@ -4,7 +4,8 @@ import { afterAll, beforeAll, beforeEach, describe, expect, it } from 'vitest';
 import { en } from '../src/text/en';
 import { loadLanguage } from '../src/text/text';
 import { settings } from '../src/text/settings';
-import { seldomWords } from '../src/text/seldom';
+import { rehearse } from '../src/text/rehearse';
+import { study } from '../src/text/study';
 import { rehearsalSentence, rehearsals } from '../src/ui/rehearsal';
 import { minutes_ms, openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
@@ -33,15 +34,17 @@ describe('the words of a rehearsal', () => {
 
   it('are in both languages, with the same values', () => {
     const gaps = (text: string) => [...text.matchAll(/\{\w+\}/g)].map(([gap]) => gap).sort();
-    for (const [key, { en: english, de: german }] of Object.entries(seldomWords)) {
-      expect(gaps(german), key).toEqual(gaps(english));
-      expect(german, key).not.toBe(english);
-    }
+    for (const part of [rehearse, study])
+      for (const [key, german] of Object.entries(part.de)) {
+        const english = (part.en as Record<string, string>)[key]!;
+        expect(gaps(german), key).toEqual(gaps(english));
+        expect(german, key).not.toBe(english);
+      }
   });
 
   it('say everywhere that the hoist is simulated', () => {
-    expect(seldomWords.label.en).toBe('Rehearsal, simulated hoist');
-    expect(seldomWords.label.de).toBe('Probe, simuliertes Gerät');
+    expect(rehearse.en['rehearse.label']).toBe('Rehearsal, simulated hoist');
+    expect(rehearse.de['rehearse.label']).toBe('Probe, simuliertes Gerät');
   });
 });
 
@@ -66,10 +69,10 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
 
   it('are chosen, waited for, and told when they are over', async () => {
     await page.getByRole('link', { name: en['nav.rehearse'] }).click();
-    await page.getByRole('heading', { name: seldomWords.label.en }).waitFor();
+    await page.getByRole('heading', { name: rehearse.en['rehearse.label'] }).waitFor();
     expect(await page.locator('.rehearse-kinds button').count()).toBe(Object.keys(rehearsals).length);
-    await page.getByRole('radio', { name: seldomWords.bumper.en }).click();
-    await page.getByRole('button', { name: seldomWords.start.en }).click();
+    await page.getByRole('radio', { name: rehearse.en['rehearse.bumper'] }).click();
+    await page.getByRole('button', { name: rehearse.en['rehearse.start'] }).click();
     await page.getByText('A bumper touches something: start the walk.').waitFor();
     fake.rehearse({ phase: 'happening' });
     await page.waitForTimeout(1200);
@@ -81,7 +84,7 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
       '✗Only 0.8 s before the release: look at the patient for 3 s first.',
       '–The posture was not set as upright.',
     ]);
-    expect(await page.getByRole('link', { name: seldomWords.toSession.en }).getAttribute('href')).toBe('#/sessions/3');
+    expect(await page.getByRole('link', { name: rehearse.en['rehearse.toSession'] }).getAttribute('href')).toBe('#/sessions/3');
   });
 
   it('are not offered on a real hoist, and its reason is told', async () => {
@@ -91,13 +94,13 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
     expect(await page.getByRole('link', { name: en['nav.rehearse'] }).count()).toBe(0);
     await page.goto(`${fake.url}#/rehearse`);
     await page.getByText('Rehearsals need the simulated hoist.').waitFor();
-    expect(await page.getByRole('button', { name: seldomWords.start.en }).count()).toBe(0);
+    expect(await page.getByRole('button', { name: rehearse.en['rehearse.start'] }).count()).toBe(0);
   });
 
   it('stay with their session, and are no note to edit', async () => {
     fake.markRehearsal(result);
     await page.goto(`${fake.url}#/sessions/3`);
-    const row = page.locator('.session-markers li', { hasText: `${seldomWords.label.en}: ${seldomWords.bumper.en}` }).first();
+    const row = page.locator('.session-markers li', { hasText: `${rehearse.en['rehearse.label']}: ${rehearse.en['rehearse.bumper']}` }).first();
     await row.waitFor();
     expect(await row.locator('.rehearsal-items li').count()).toBe(3);
     expect(await row.getByRole('button').count()).toBe(0);

@@ -8,18 +8,21 @@ import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { first } from '../src/text/first';
 import { settings } from '../src/text/settings';
+import { rehearse } from '../src/text/rehearse';
+import { study } from '../src/text/study';
 import { tasks } from '../src/text/tasks';
 import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
 beforeEach(() => settings.set({ language: 'en' }));
 
 /** With the texts that come with a screen. */
-const all = { en: { ...en, ...tasks.en }, de: { ...de, ...tasks.de } };
+const parts = [rehearse, study, tasks];
+const all = { en: { ...en, ...rehearse.en, ...study.en, ...tasks.en }, de: { ...de, ...rehearse.de, ...study.de, ...tasks.de } };
 
 describe('the message files', () => {
   it('have the same keys', () => {
     expect(Object.keys(all.de).sort()).toEqual(Object.keys(all.en).sort());
-    expect(Object.keys(all.en)).toHaveLength(Object.keys(en).length + Object.keys(tasks.en).length);
+    expect(Object.keys(all.en)).toHaveLength([en, ...parts.map((part) => part.en)].reduce((sum, table) => sum + Object.keys(table).length, 0));
   });
 
   it('have the same placeholders, and no empty text', () => {
@@ -40,7 +43,7 @@ describe('the message files', () => {
 
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first|tasks)/.test(file))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first|rehearse|study|tasks)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,

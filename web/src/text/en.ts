@@ -1,4 +1,6 @@
 import type { FirstKey } from './first';
+import type { RehearseKey } from './rehearse';
+import type { StudyKey } from './study';
 import type { TasksKey } from './tasks';
 
 // All texts of the console that are neither in a table nor in first.ts; loaded separately. A test compares de.ts with it.
@@ -821,4 +823,4 @@ export const en = {
   'role.engineer': 'Engineer',
 };
 export type Table = Readonly<Record<keyof typeof en, string>>;
-export type TextKey = keyof typeof en | FirstKey | TasksKey;
+export type TextKey = keyof typeof en | FirstKey | RehearseKey | StudyKey | TasksKey;

@@ -68,6 +68,7 @@ const en = {
   'line.hint': 'Tap the floor to place a point, drag a point to move it. The walk begins at point 1.',
   'line.ahead': 'Point {n}, ahead',
   'line.left': 'Point {n}, left',
+  'task.rehearseHint': 'Trip, lost link, low batteries: practise on the simulated hoist what to do.',
 };
 export type TasksKey = keyof typeof en;
 
@@ -138,6 +139,7 @@ const de: Record<TasksKey, string> = {
   'line.hint': 'Auf den Boden tippen setzt einen Punkt, Ziehen verschiebt ihn. Der Weg beginnt bei Punkt 1.',
   'line.ahead': 'Punkt {n}, voraus',
   'line.left': 'Punkt {n}, links',
+  'task.rehearseHint': 'Sturz, Verbindung weg, Batterie schwach: das Richtige am simulierten Gerät üben.',
 };
 
 export const tasks: Readonly<Record<Language, Readonly<Record<TasksKey, string>>>> = { en, de };

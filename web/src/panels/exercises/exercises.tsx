@@ -12,7 +12,6 @@ import { useTopic } from '../../link/wants';
 import { addressOf, go } from '../../router';
 import type { Line, Task } from '../../contract/rest.gen';
 import { exerciseRow } from '../../text/exercise';
-import { told } from '../../text/seldom';
 import { useSettings } from '../../text/settings';
 import { tasks as texts } from '../../text/tasks';
 import { addTexts, degrees, duration, fixed, t, words } from '../../text/text';
@@ -364,7 +363,7 @@ function Rehearse() {
       <a class="plain" href={addressOf('rehearse')}>
         {t('nav.rehearse')}
       </a>{' '}
-      <span class="hint">{told('openHint')}</span>
+      <span class="hint">{t('task.rehearseHint')}</span>
     </p>
   );
 }

@@ -5,7 +5,6 @@ import { useQuery } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { addressOf } from '../../router';
-import { told } from '../../text/seldom';
 import { reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { t } from '../../text/text';
@@ -31,19 +30,19 @@ export function RehearseView() {
   return (
     <div class="rehearse">
       <section class="card">
-        <h2>{told('label')}</h2>
-        <p>{told('what')}</p>
+        <h2>{t('rehearse.label')}</h2>
+        <p>{t('rehearse.what')}</p>
         <Trouble problem={problem ?? asked.problem} />
         {state === null ? null : state.reason_code !== null ? (
           <p role="status">{reasonText(state.reason_code)}</p>
         ) : under && state.rehearsal !== null ? (
           <>
             <p role="status">
-              <strong>{told('waits', { what: rehearsalTitle(state.rehearsal) })}</strong>
+              <strong>{t('rehearse.waits', { what: rehearsalTitle(state.rehearsal) })}</strong>
             </p>
             <p class="rehearse-buttons">
               <a class="plain primary" href={addressOf('walk')}>
-                {told('toWalk')}
+                {t('rehearse.toWalk')}
               </a>
               {role === 'viewer' ? null : (
                 <button type="button" class="plain" onClick={() => void choose(null)}>
@@ -56,28 +55,28 @@ export function RehearseView() {
           <p>{reasonText('role')}</p>
         ) : (
           <>
-            <div class="rehearse-kinds" role="radiogroup" aria-label={told('choose')}>
+            <div class="rehearse-kinds" role="radiogroup" aria-label={t('rehearse.choose')}>
               {state.kinds.map(({ rehearsal }) => (
                 <button key={rehearsal} type="button" role="radio" aria-checked={kind === rehearsal} onClick={() => setKind(rehearsal)}>
                   <strong>{rehearsalTitle(rehearsal)}</strong>
-                  <span>{told(rehearsals[rehearsal].what)}</span>
+                  <span>{t(rehearsals[rehearsal].what)}</span>
                 </button>
               ))}
             </div>
             <button type="button" class="plain primary" onClick={() => void choose(kind)}>
-              {told('start')}
+              {t('rehearse.start')}
             </button>
           </>
         )}
       </section>
       {state === null || state.result === null ? null : (
         <section class="card rehearse-result">
-          <h2>{told('result', { what: rehearsalTitle(state.result.rehearsal) })}</h2>
-          <p class="hint">{told('label')}</p>
+          <h2>{t('rehearse.result', { what: rehearsalTitle(state.result.rehearsal) })}</h2>
+          <p class="hint">{t('rehearse.label')}</p>
           <RehearsalItems result={state.result} />
           {state.session === null ? null : (
             <a class="plain" href={addressOf('sessions', state.session)}>
-              {told('toSession')}
+              {t('rehearse.toSession')}
             </a>
           )}
         </section>

@@ -5,10 +5,10 @@ import { useJob } from '../../link/jobs';
 import { address } from '../../link/rest';
 import { useSettings } from '../../text/settings';
 import { t } from '../../text/text';
-import { Field, Form, Trouble } from '../../ui/field';
+import { Form, Trouble } from '../../ui/field';
 import { Progress } from '../../ui/progress';
+import { SessionChoiceFields, useSessionChoice } from '../../ui/session_choice';
 
-const codeMost = 64;
 const mega = 1e6;
 /** What the file holds; both kinds of reports are one layout. */
 const contents = {
@@ -21,12 +21,9 @@ const contents = {
 type Content = keyof typeof contents;
 
 export function ExportMany() {
-  const [from, setFrom] = useState('');
-  const [to, setTo] = useState('');
-  const [subject, setSubject] = useState('');
+  const sessions = useSessionChoice();
   const [content, setContent] = useState<Content>('files');
   const { language } = useSettings();
-  const [simulated, setSimulated] = useState(false);
   const [made, setMade] = useState<Job | null>(null);
   const work = useJob('export_sessions', setMade);
   const start = () => {
@@ -34,10 +31,7 @@ export function ExportMany() {
     void work.start({
       kind: 'export_sessions',
       ...(content === 'patient' || content === 'full' ? { layout: 'reports', report: content, language } : { layout: content }),
-      simulated,
-      ...(from === '' ? {} : { from_day: from }),
-      ...(to === '' ? {} : { to_day: to }),
-      ...(subject.trim() === '' ? {} : { subject: subject.trim() }),
+      ...sessions.asked,
     });
   };
   const file = made?.result?.kind === 'export_sessions' ? made.result : null;
@@ -45,31 +39,18 @@ export function ExportMany() {
     <>
       <h2>{t('exports.many')}</h2>
       <Form label={t('exports.many')} onSend={start}>
-        <div class="export-days">
+        <SessionChoiceFields of={sessions} disabled={work.busy}>
           <label class="field">
-            <span>{t('exports.from')}</span>
-            <input type="date" value={from} disabled={work.busy} onInput={(event) => setFrom(event.currentTarget.value)} />
+            <span>{t('exports.layout')}</span>
+            <select value={content} disabled={work.busy} onChange={(event) => setContent(event.currentTarget.value as Content)}>
+              {Object.entries(contents).map(([name, text]) => (
+                <option key={name} value={name}>
+                  {t(text)}
+                </option>
+              ))}
+            </select>
           </label>
-          <label class="field">
-            <span>{t('exports.to')}</span>
-            <input type="date" value={to} disabled={work.busy} onInput={(event) => setTo(event.currentTarget.value)} />
-          </label>
-        </div>
-        <Field label={t('sessions.subject')} hint={t('exports.all')} value={subject} most={codeMost} disabled={work.busy} onValue={setSubject} />
-        <label class="field">
-          <span>{t('exports.layout')}</span>
-          <select value={content} disabled={work.busy} onChange={(event) => setContent(event.currentTarget.value as Content)}>
-            {Object.entries(contents).map(([name, text]) => (
-              <option key={name} value={name}>
-                {t(text)}
-              </option>
-            ))}
-          </select>
-        </label>
-        <label class="check">
-          <input type="checkbox" checked={simulated} disabled={work.busy} onChange={(event) => setSimulated(event.currentTarget.checked)} />
-          <span>{t('exports.simulated')}</span>
-        </label>
+        </SessionChoiceFields>
         <button type="submit" class="plain primary" disabled={work.busy}>
           {t('exports.make')}
         </button>

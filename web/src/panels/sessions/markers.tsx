@@ -5,7 +5,6 @@ import { notify } from '../../link/console';
 import type { Query } from '../../link/query';
 import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
-import { told } from '../../text/seldom';
 import { duration, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { FormButtons } from '../../ui/form_buttons';
@@ -94,7 +93,7 @@ export function Markers({ session, asked }: Props) {
 
 /** A mark set with a button has the button's word as its text. */
 function title({ kind, text, rehearsal }: MarkerRow): string {
-  if (rehearsal !== null) return `${told('label')}: ${rehearsalTitle(rehearsal.rehearsal)}`;
+  if (rehearsal !== null) return `${t('rehearse.label')}: ${rehearsalTitle(rehearsal.rehearsal)}`;
   const word = t(`marker.${kind}`);
   if (text === '' || text === word) return word;
   return kind === 'note' ? text : `${word} · ${text}`;

@@ -5,11 +5,13 @@ import type { Study } from '../../contract/rest.gen';
 import { address } from '../../link/rest';
 import { addressOf } from '../../router';
 import type { TextKey } from '../../text/en';
-import { told } from '../../text/seldom';
 import { reasonText } from '../../text/server';
-import { degrees, fixed, quantity, t, words } from '../../text/text';
+import { study as texts } from '../../text/study';
+import { addTexts, degrees, fixed, quantity, t, words } from '../../text/text';
 import { Scroll } from '../../ui/scroll';
 import { runMark, sessionOf, type Report, type StudyTable } from './model';
+
+addTexts(texts);
 
 const titles: Record<StudyTable['figure'], { title: TextKey; help: TextKey }> = {
   C: { title: 'study.table2', help: 'study.table2Help' },
@@ -255,26 +257,26 @@ function Assumed({ report }: { report: Report }) {
   const range = ([low, high]: readonly (number | undefined)[], decimals: number) => `${fixed(low, decimals)}–${fixed(high, decimals)}`;
   return (
     <section class="card">
-      <h2>{told('assumed')}</h2>
-      <p class="hint">{told('assumedHelp')}</p>
+      <h2>{t('study.assumed')}</h2>
+      <p class="hint">{t('study.assumedHelp')}</p>
       <ul>
-        <li>{told('assumedSpeed', { speed: `${range(a.wish_m_s, 2)} m/s`, preset: report.preset })}</li>
+        <li>{t('study.assumedSpeed', { speed: `${range(a.wish_m_s, 2)} m/s`, preset: report.preset })}</li>
         <li>
-          {told('assumedFollow', {
+          {t('study.assumedFollow', {
             share: range(a.anticipation_norm, 1),
             more: fixed(a.learning_norm, 2),
             late: quantity(a.trailing_s, 1, 's'),
           })}
         </li>
         <li>
-          {told('assumedTherapist', {
+          {t('study.assumedTherapist', {
             speed: quantity(a.therapist_m_s, 2, 'm/s'),
             late: quantity(a.therapist_delay_s, 2, 's'),
             aside: quantity(a.misjudgement_m * 100, 0, 'cm'),
             turned: degrees(a.misjudgement_rad, 0),
           })}
         </li>
-        <li>{told('assumedOrthosis', { limp: fixed(a.limp_norm * 100, 0), sway: fixed(a.injured_sway_norm, 1) })}</li>
+        <li>{t('study.assumedOrthosis', { limp: fixed(a.limp_norm * 100, 0), sway: fixed(a.injured_sway_norm, 1) })}</li>
       </ul>
     </section>
   );
@@ -284,11 +286,11 @@ function Findings({ report }: { report: Report }) {
   const { c_square, c_led, j_ratio } = report.findings;
   return (
     <section class="card">
-      <h2>{told('findings')}</h2>
+      <h2>{t('study.findings')}</h2>
       <ul>
-        <li>{told('findSquare', { c: fixed(c_square, 2) })}</li>
-        <li>{told('findLed', { c: fixed(c_led, 2) })}</li>
-        <li>{told('findRatio', { n: fixed(j_ratio, 1) })}</li>
+        <li>{t('study.findSquare', { c: fixed(c_square, 2) })}</li>
+        <li>{t('study.findLed', { c: fixed(c_led, 2) })}</li>
+        <li>{t('study.findRatio', { n: fixed(j_ratio, 1) })}</li>
       </ul>
     </section>
   );

@@ -5,11 +5,11 @@ import { useQuery } from '../../link/query';
 import { rest, wholeList } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
-import { told } from '../../text/seldom';
 import { useSettings } from '../../text/settings';
 import { date, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { Progress } from '../../ui/progress';
+import { SessionChoiceFields, useSessionChoice } from '../../ui/session_choice';
 import type { PanelProps } from '../panel';
 import { StudyReportView } from './report';
 import { paperSubjects, readWhole, seedMost, subjectsMost } from './model';
@@ -33,8 +33,8 @@ export function StudyView({ part }: PanelProps) {
         </section>
         {role === 'viewer' ? null : (
           <section class="card study-run">
-            <h2>{told('recordedTitle')}</h2>
-            <p>{told('recordedWhat')}</p>
+            <h2>{t('study.recordedTitle')}</h2>
+            <p>{t('study.recordedWhat')}</p>
             <Evaluate whenDone={again} />
           </section>
         )}
@@ -50,7 +50,7 @@ export function StudyView({ part }: PanelProps) {
                   <span>{date(item.made_utc_ms)}</span>
                   <span>
                     {t(item.subjects === 1 ? 'study.ofOne' : 'study.of', { n: item.subjects })}
-                    {` · ${item.seed === null ? told('recorded') : t('study.seedOf', { n: item.seed })}`}
+                    {` · ${item.seed === null ? t('study.recorded') : t('study.seedOf', { n: item.seed })}`}
                   </span>
                 </a>
               </li>
@@ -91,43 +91,21 @@ function Run({ whenDone }: { whenDone: () => void }) {
 
 /** Sessions of people: chosen by day and patient, as for a download. */
 function Evaluate({ whenDone }: { whenDone: () => void }) {
-  const [from, setFrom] = useState('');
-  const [to, setTo] = useState('');
-  const [subject, setSubject] = useState('');
-  const [simulated, setSimulated] = useState(false);
+  const sessions = useSessionChoice();
   const work = useJob('study_recorded', (job) => {
     whenDone();
     if (job.result?.kind === 'study_recorded') go(addressOf('study', job.result.study));
   });
-  const start = () =>
-    void work.start({
-      kind: 'study_recorded',
-      simulated,
-      ...(from === '' ? {} : { from_day: from }),
-      ...(to === '' ? {} : { to_day: to }),
-      ...(subject.trim() === '' ? {} : { subject: subject.trim() }),
-    });
+  const start = () => void work.start({ kind: 'study_recorded', ...sessions.asked });
   return (
-    <Form label={told('recordedTitle')} onSend={start}>
+    <Form label={t('study.recordedTitle')} onSend={start}>
       <div class="study-fields">
-        <label class="field">
-          <span>{t('exports.from')}</span>
-          <input type="date" value={from} disabled={work.busy} onInput={(event) => setFrom(event.currentTarget.value)} />
-        </label>
-        <label class="field">
-          <span>{t('exports.to')}</span>
-          <input type="date" value={to} disabled={work.busy} onInput={(event) => setTo(event.currentTarget.value)} />
-        </label>
-        <Field label={t('sessions.subject')} hint={t('exports.all')} value={subject} most={64} disabled={work.busy} onValue={setSubject} />
-        <label class="check">
-          <input type="checkbox" checked={simulated} disabled={work.busy} onChange={(event) => setSimulated(event.currentTarget.checked)} />
-          <span>{t('exports.simulated')}</span>
-        </label>
+        <SessionChoiceFields of={sessions} disabled={work.busy} />
       </div>
       <button type="submit" class="plain primary" disabled={work.busy}>
-        {told('evaluate')}
+        {t('study.evaluate')}
       </button>
-      <Progress work={work} label={told('evaluating')} />
+      <Progress work={work} label={t('study.evaluating')} />
       <Trouble problem={work.problem} />
     </Form>
   );
@@ -149,12 +127,12 @@ function Chosen({ id, role, whenGone }: { id: number; role: string; whenGone: ()
           <section class="card study-head">
             <h2>{t('study.one', { n: id })}</h2>
             <p>
-              {study.report.virtual_subjects ? t('study.sessions', { n: study.sessions.length }) : told('ofPeople')}{' '}
+              {study.report.virtual_subjects ? t('study.sessions', { n: study.sessions.length }) : t('study.ofPeople')}{' '}
               <a href={addressOf('sessions')}>{t('study.toSessions')}</a>
             </p>
             {role === 'viewer' || removal.busy ? null : sure ? (
               <div class="form-buttons">
-                <span>{study.report.virtual_subjects ? t('study.sure', { n: study.sessions.length }) : told('sureRecorded')}</span>
+                <span>{study.report.virtual_subjects ? t('study.sure', { n: study.sessions.length }) : t('study.sureRecorded')}</span>
                 <button type="button" class="plain" onClick={() => void removal.start({ kind: 'delete_study', study: id })}>
                   {t('sessions.delete')}
                 </button>
