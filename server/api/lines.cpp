@@ -13,15 +13,6 @@ namespace hoist::server::api {
 using nlohmann::json;
 
 namespace {
-OutcomeDone answer_line(const CallPtr& call, unsigned status) {
-  return answer_with(call, [call, status](const Outcome& outcome) {
-    const json row = json::parse(outcome.row);
-    Response response = row_response(row, status);
-    if (status == 201) response.set("Location", "/api/v1/lines/" + std::to_string(row.at("id").get<std::int64_t>()));
-    call->respond(std::move(response));
-  });
-}
-
 LineWish line_wish(const Call& call) {
   const json& name = field(call, "name");
   return {.name = name.is_string() ? std::optional(name.get<std::string>()) : std::nullopt, .exercise = field(call, "exercise")};
@@ -33,14 +24,13 @@ void list_lines(const CallPtr& call) {
   if (!read_page(call, wanted)) return;
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::LineStore(database).list(wanted);
-    if (!page) return store_error(page.error(), path);
-    json items = json::array();
-    for (const db::LineInfo& line : page->items) items.push_back(line_json(line));
-    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+    return page ? rows_response(*page, line_json) : store_error(page.error(), path);
   });
 }
 
-void create_line(const CallPtr& call) { act_create_line(call->services, asker_of(*call), line_wish(*call), answer_line(call, 201)); }
+void create_line(const CallPtr& call) {
+  act_create_line(call->services, asker_of(*call), line_wish(*call), answer_created(call, "/api/v1/lines/"));
+}
 
 void get_line(const CallPtr& call) {
   const auto id = path_id(call, "line");
@@ -53,13 +43,11 @@ void get_line(const CallPtr& call) {
 
 void change_line(const CallPtr& call) {
   if (const auto id = path_id(call, "line"))
-    act_change_line(call->services, asker_of(*call), *id, line_wish(*call), given_tag(*call), answer_line(call, 200));
+    act_change_line(call->services, asker_of(*call), *id, line_wish(*call), given_tag(*call), answer_row(call));
 }
 
 void delete_line(const CallPtr& call) {
-  if (const auto id = path_id(call, "line"))
-    act_delete_line(call->services, asker_of(*call), *id, given_tag(*call),
-                    answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  if (const auto id = path_id(call, "line")) act_delete_line(call->services, asker_of(*call), *id, given_tag(*call), answer_gone(call));
 }
 
 }  // namespace hoist::server::api

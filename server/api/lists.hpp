@@ -139,4 +139,29 @@ inline Response row_response(const nlohmann::json& row, unsigned status = 200) {
   return response;
 }
 
+// A page of rows, and how to ask for the next one.
+template <typename Page, typename ToJson>
+Response rows_response(const Page& page, ToJson to_json) {
+  nlohmann::json items = nlohmann::json::array();
+  for (const auto& item : page.items) items.push_back(to_json(item));
+  return json_response({{"items", std::move(items)}, {"next", next_json(page.next)}});
+}
+
+// The changed row as the answer.
+inline OutcomeDone answer_row(const CallPtr& call) {
+  return answer_with(call, [call](const Outcome& outcome) { call->respond(row_response(nlohmann::json::parse(outcome.row))); });
+}
+// A new row, and where it is: in `rows`, for instance "/api/v1/lines/".
+inline OutcomeDone answer_created(const CallPtr& call, std::string_view rows) {
+  return answer_with(call, [call, rows = std::string{rows}](const Outcome& outcome) {
+    const nlohmann::json row = nlohmann::json::parse(outcome.row);
+    Response response = row_response(row, 201);
+    response.set("Location", rows + std::to_string(row.at("id").get<std::int64_t>()));
+    call->respond(std::move(response));
+  });
+}
+inline OutcomeDone answer_gone(const CallPtr& call) {
+  return answer_with(call, [call](const Outcome&) { call->respond(no_content()); });
+}
+
 }  // namespace hoist::server::api

@@ -12,28 +12,6 @@ namespace hoist::server::api {
 
 using nlohmann::json;
 
-namespace {
-// The changed row as the answer.
-OutcomeDone answer_row(const CallPtr& call, unsigned status = 200) {
-  return answer_with(call, [call, status](const Outcome& outcome) {
-    const json row = json::parse(outcome.row);
-    Response response = row_response(row, status);
-    if (status == 201) response.set("Location", "/api/v1/patients/" + std::to_string(row.at("id").get<std::int64_t>()));
-    call->respond(std::move(response));
-  });
-}
-OutcomeDone answer_gone(const CallPtr& call) {
-  return answer_with(call, [call](const Outcome&) { call->respond(no_content()); });
-}
-
-template <typename Page, typename ToJson>
-Response page_response(const Page& page, ToJson to_json) {
-  json items = json::array();
-  for (const auto& item : page.items) items.push_back(to_json(item));
-  return json_response({{"items", std::move(items)}, {"next", next_json(page.next)}});
-}
-}  // namespace
-
 void list_visits(const CallPtr& call) {
   db::VisitQuery wanted;
   if (!read_page(call, wanted)) return;
@@ -44,7 +22,7 @@ void list_visits(const CallPtr& call) {
   wanted.day = query(*call, "day");
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::VisitReader(database).visits(wanted);
-    return page ? page_response(*page, visit_json) : store_error(page.error(), path);
+    return page ? rows_response(*page, visit_json) : store_error(page.error(), path);
   });
 }
 
@@ -73,12 +51,12 @@ void list_patients(const CallPtr& call) {
   }
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::VisitReader(database).patients(wanted);
-    return page ? page_response(*page, patient_json) : store_error(page.error(), path);
+    return page ? rows_response(*page, patient_json) : store_error(page.error(), path);
   });
 }
 
 void create_patient(const CallPtr& call) {
-  act_create_patient(call->services, asker_of(*call), field(*call, "code").get<std::string>(), answer_row(call, 201));
+  act_create_patient(call->services, asker_of(*call), field(*call, "code").get<std::string>(), answer_created(call, "/api/v1/patients/"));
 }
 
 void get_patient(const CallPtr& call) {

@@ -14,15 +14,6 @@ namespace hoist::server::api {
 using nlohmann::json;
 
 namespace {
-OutcomeDone answer_profile(const CallPtr& call, unsigned status) {
-  return answer_with(call, [call, status](const Outcome& outcome) {
-    const json row = json::parse(outcome.row);
-    Response response = row_response(row, status);
-    if (status == 201) response.set("Location", "/api/v1/profiles/" + std::to_string(row.at("id").get<std::int64_t>()));
-    call->respond(std::move(response));
-  });
-}
-
 // A page of `read(store, id, wanted)`.
 template <typename Read>
 void answer_page(const CallPtr& call, const char* thing, Read read) {
@@ -31,10 +22,7 @@ void answer_page(const CallPtr& call, const char* thing, Read read) {
   if (!id || !read_page(call, wanted)) return;
   with_database(call, [id = *id, wanted, read, path = call->request.path](db::Database& database) -> Response {
     const auto page = read(db::ProfileStore(database), id, wanted);
-    if (!page) return store_error(page.error(), path);
-    json items = json::array();
-    for (const db::ProfileInfo& profile : page->items) items.push_back(profile_json(profile));
-    return json_response({{"items", std::move(items)}, {"next", next_json(page->next)}});
+    return page ? rows_response(*page, profile_json) : store_error(page.error(), path);
   });
 }
 
@@ -65,7 +53,7 @@ void list_profile_versions(const CallPtr& call) {
 void create_profile(const CallPtr& call) {
   if (const auto id = path_id(call, "patient"))
     act_create_profile(call->services, asker_of(*call), *id, field(*call, "name").get<std::string>(), field(*call, "settings"),
-                       answer_profile(call, 201));
+                       answer_created(call, "/api/v1/profiles/"));
 }
 
 void get_profile(const CallPtr& call) {
@@ -85,14 +73,13 @@ void change_profile(const CallPtr& call) {
                      {.name = name.is_string() ? std::optional(name.get<std::string>()) : std::nullopt,
                       .settings = field(*call, "settings"),
                       .from_in_force = field(*call, "from_in_force") == true},
-                     given_tag(*call), answer_profile(call, 200));
+                     given_tag(*call), answer_row(call));
 }
 
 void delete_profile(const CallPtr& call) {
   const auto id = path_id(call, "profile");
   if (!id) return;
-  act_delete_profile(call->services, asker_of(*call), *id, given_tag(*call),
-                     answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_profile(call->services, asker_of(*call), *id, given_tag(*call), answer_gone(call));
 }
 
 void diff_profile(const CallPtr& call) {

@@ -127,8 +127,7 @@ void change_session(const CallPtr& call) {
 void delete_session(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  act_delete_session(call->services, asker_of(*call), *id, given_tag(*call),
-                     answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_session(call->services, asker_of(*call), *id, given_tag(*call), answer_gone(call));
 }
 
 namespace {
@@ -368,15 +367,13 @@ void change_marker(const CallPtr& call) {
   if (const json& text = field(*call, "text"); text.is_string()) patch.text = text.get<std::string>();
   if (const json& kind = field(*call, "kind"); kind.is_string()) patch.kind = kind.get<std::string>();
   if (const json& time = field(*call, "time_s"); time.is_number()) patch.time_s = time.get<double>();
-  act_change_marker(call->services, asker_of(*call), *place, std::move(patch), given_tag(*call),
-                    answer_with(call, [call](const Outcome& outcome) { call->respond(row_response(json::parse(outcome.row))); }));
+  act_change_marker(call->services, asker_of(*call), *place, std::move(patch), given_tag(*call), answer_row(call));
 }
 
 void delete_marker(const CallPtr& call) {
   const auto place = marker_place(call);
   if (!place) return;
-  act_delete_marker(call->services, asker_of(*call), *place, given_tag(*call),
-                    answer_with(call, [call](const Outcome&) { call->respond(no_content()); }));
+  act_delete_marker(call->services, asker_of(*call), *place, given_tag(*call), answer_gone(call));
 }
 
 void add_marker(const CallPtr& call) {
