@@ -74,7 +74,7 @@ struct PatientParams {
   /// random sessions use those.
   double yields_after_s{1.0};
   static constexpr double kStubborn_s = 1e9;
-  /// Leads as long as the brakes are open, whatever the hoist does: for a hoist that moves as recorded (hoist twin).
+  /// Leads as long as the brakes are open, also when the hoist does not answer: for a hoist that moves as recorded (hoist twin).
   bool always_leads{false};
 
   /// A random patient: every parameter drawn evenly from its usual range; the same seed gives the same person.

@@ -227,7 +227,7 @@ bool Rehearsal::settled() const {
         if (!came(stop_s_)) return false;
         break;
       default:
-        // Whatever was left out before the walk went on stays left out.
+        // What was left out before the walk went on stays left out.
         if (!came(started_s_)) return false;
         break;
     }

@@ -53,7 +53,7 @@ class Rehearsal {
   };
   // Every step of the core, in order.
   Due take(const contract::TickRecord& record);
-  // Somebody did or tried this: name and result of the audit log (server/actions).
+  // Staff did or tried this: name and result of the audit log (server/actions).
   void did(std::string_view action, std::string_view result);
   // Whether a person is in control.
   void lease(bool held);

@@ -167,7 +167,8 @@ struct Fault {
 /// Kinds from here on are drawn from a stream of their own: the rest of a seed's plan is what it was without them.
 inline constexpr Kind kFirstLater = Kind::fall_aside;
 
-/// Up to `most` faults of one session, by its seed, and one more of the later kinds. `outside_only`: only faults that must not affect patient-led walking.
+/// Up to `most` faults of one session, by its seed, and one more of the later kinds. `outside_only`: only faults that must not affect walking that
+/// a patient leads.
 [[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
 
 /// "unplug:io:12.5:14:0.3,bumper::20:21:0.9", as --faults takes it and the file of kept sessions holds it. "-" is no fault at all.

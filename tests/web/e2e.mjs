@@ -680,7 +680,8 @@ const cases = {
     assert(events.some((event) => event.kind === 'guided_ended' && event.name === 'finished'), 'the end is not in the session');
     assert(session.exercise.shape === 'straight', 'the session does not know its exercise');
     // A repeated try of this case is the next repetition of the same task.
-    assert(session.task?.task === 'straight' && session.task.repetition >= 1 && session.task.repetition <= attemptsMax, `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
+    assert(session.task?.task === 'straight' && session.task.repetition >= 1 && session.task.repetition <= attemptsMax,
+      `the session's task: ${JSON.stringify(session.task)}, ${JSON.stringify(session.exercise)}`);
   },
 
   async 'Exercises: a line is drawn by hand and by keys, saved, driven as a task, and the session keeps it when it is deleted'() {
@@ -699,7 +700,8 @@ const cases = {
     assert((await last.getAttribute('aria-label')) !== beforeKeys, 'the keys moved no point');
     await page.getByLabel('Name').fill('Corridor');
     await page.getByRole('button', { name: 'Save' }).click();
-    await until('the line is a task', async () => (await page.getByLabel('Task').locator('option:checked').textContent().catch(() => '')) === 'Corridor');
+    const task = page.getByLabel('Task').locator('option:checked');
+    await until('the line is a task', async () => (await task.textContent().catch(() => '')) === 'Corridor');
     const [line] = (await stack.rest('GET', '/lines')).json().items;
     assert(line.name === 'Corridor' && line.exercise.x_m.length === 3 && !line.exercise.closed, `the line: ${JSON.stringify(line)}`);
     assert(await page.getByRole('radio', { name: 'Hoist leads' }).isDisabled(), 'the hoist offers to lead along it');

@@ -31,7 +31,7 @@ inline constexpr double kGenerates_v_s_m = 34.5, kFeedsFrom_norm = 0.93;
 }
 
 /// A current through a bridge that is off: shorted transistors. A wheel that something pushes faster than about 0.7 m/s generates more than the
-/// supply and feeds it through the diodes, against its motion: that is none. A slower wheel does not excuse a current, whatever its sign, since its
+/// supply and feeds it through the diodes, against its motion: that is none. A slower wheel does not excuse a current of either sign, since its
 /// encoder may have failed or count backwards.
 [[nodiscard]] inline bool stray_current(const DriveSensor& drive, double wheel_m_s) noexcept {
   constexpr contract::Fault kFault = contract::Fault::overspeed;

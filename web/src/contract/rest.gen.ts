@@ -1370,7 +1370,7 @@ export type RecordingsHealth = {
   state: 'unchecked' | 'checking' | 'sound' | 'damaged';
 };
 
-/** What is looked at: stop: STOP was pressed, or the motion ended, within limit_s; look: at least limit_s passed between standstill and the first attempt to release the stop; cause_gone: nobody tried to release the stop while its cause remained, or before the hoist stood; acknowledge: the stop was released within limit_s; zero: the posture was taken as upright after the release and before the next start; go_on: the walk went on within limit_s; regain: someone was in control again within limit_s; end: the walk was ended within limit_s; stay_ended: no start for limit_s after that; answer: the request for control was answered within limit_s: kept, or handed over; standing: nobody tried to hand over while the hoist was led. */
+/** What is looked at: stop: STOP was pressed, or the motion ended, within limit_s; look: at least limit_s passed between standstill and the first attempt to release the stop; cause_gone: no attempt to release the stop while its cause remained, or before the hoist stood; acknowledge: the stop was released within limit_s; zero: the posture was taken as upright after the release and before the next start; go_on: the walk went on within limit_s; regain: someone was in control again within limit_s; end: the walk was ended within limit_s; stay_ended: no start for limit_s after that; answer: the request for control was answered within limit_s: kept, or handed over; standing: no attempt to hand over while the hoist was led. */
 export type RehearsalCheck = 'stop' | 'look' | 'cause_gone' | 'acknowledge' | 'zero' | 'go_on' | 'regain' | 'end' | 'stay_ended' | 'answer' | 'standing';
 
 export type RehearsalItem = {

@@ -5,8 +5,8 @@
 // starts drawn from the seed). The ranges of usual patients are weak knowledge before the data (a normal distribution of the same
 // variance), so that a value that the session does not tell stays usual and keeps its wide spread. The gait comes before: stride and asymmetry from
 // the figures of the session (db/metrics/rhythm.hpp), amplitudes by the replayed sway.
-// The walker leads in the replay whatever the recorded hoist does. One that may come to distrust a hoist that does not answer it stops leading
-// for good, and the sum of squares is flat there: that was a trap for the search.
+// The walker leads in the replay, also when the recorded hoist does not answer. One that may come to distrust a hoist that does not
+// answer it stops leading for good, and the sum of squares is flat there: that was a trap for the search.
 // Spread: two or three times the square root of the diagonal of the inverse of the normal equations, the residuals' correlation in time
 // counted (blocks of 5 s).
 // Sources: Ljung, System Identification, 2nd edition, 7.3 (output error), 9.4 (spread); field.md 4, "patient twin".
