@@ -29,17 +29,17 @@ constexpr double kFresh_ticks = 2.0;
 /// Faster than this the patient walks.
 constexpr double kWalks_m_s = 0.05;
 
-constexpr std::array kColumns{"mode",
-                              "standing_still",
-                              "lean_norm",
-                              "turn_norm",
-                              "speed_m_s",
-                              "fused_yaw_rate_rad_s",
-                              "yaw_rate_command_rad_s",
-                              "parameter_version",
-                              "tilt_left_age_ticks",
-                              "tilt_right_age_ticks",
-                              "tilt_base_age_ticks"};
+constexpr std::array kUsedColumns{"mode",
+                                  "standing_still",
+                                  "lean_norm",
+                                  "turn_norm",
+                                  "speed_m_s",
+                                  "fused_yaw_rate_rad_s",
+                                  "yaw_rate_command_rad_s",
+                                  "parameter_version",
+                                  "tilt_left_age_ticks",
+                                  "tilt_right_age_ticks",
+                                  "tilt_base_age_ticks"};
 
 /// Lean and turn mean the same only with the same values of these.
 constexpr std::array kIntentParams{ParamName::lean_range_rad,   ParamName::turn_range_rad, ParamName::neutral_lean_m,
@@ -59,7 +59,7 @@ Status for_each_sample(const SessionReader& reader, SessionId session, double be
   const Result<Overview> whole = reader.overview(session, {}, 1);
   if (!whole) return whole.error();
   if (whole->from_s.empty()) return {};
-  const std::vector<std::string> names(kColumns.begin(), kColumns.end());
+  const std::vector<std::string> names(kUsedColumns.begin(), kUsedColumns.end());
   const double end_s = whole->to_s.back();
   for (double from_s = std::max(begin_s, whole->from_s.front()); from_s <= end_s; from_s += kPiece_s) {
     const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
@@ -190,7 +190,7 @@ Result<std::optional<contract::Params>> params_of(const SessionReader& reader, S
 Result<bool> has_columns(const SessionReader& reader, SessionId session) {
   const Result<std::vector<ColumnInfo>> recorded = reader.columns(session);
   if (!recorded) return recorded.error();
-  return std::ranges::all_of(kColumns, [&](std::string_view name) {
+  return std::ranges::all_of(kUsedColumns, [&](std::string_view name) {
     return std::ranges::any_of(*recorded, [name](const ColumnInfo& column) { return column.name == name; });
   });
 }

@@ -10,8 +10,8 @@ namespace {
 
 using contract::BusRecord;
 
-constexpr std::uint8_t kMagic = 0x43;  // 'C'
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kBusMagic = 0x43;  // 'C'
+constexpr std::uint8_t kBusVersion = 1;
 // zstd-1 costs 0.04 us per frame; higher levels gain nothing on these planes (measured).
 constexpr int kLevel = 1;
 constexpr std::size_t kWords = 4;  // 16-bit words of the eight data bytes
@@ -80,8 +80,8 @@ CodecError encode_bus(std::span<const BusRecord> frames, Bytes& out) {
   std::int64_t step = 0;
   const std::uint8_t time_plane_count = append_planes(times, time_planes, step);
 
-  out.push_back(kMagic);
-  out.push_back(kVersion);
+  out.push_back(kBusMagic);
+  out.push_back(kBusVersion);
   put_varint(out, frames.size());
   put_varint(out, data.size());
   out.insert(out.end(), table.begin(), table.end());
@@ -97,8 +97,8 @@ CodecError decode_bus(ByteView blob, std::vector<BusRecord>& frames) {
   const auto content = without_checksum(blob);
   if (!content) return CodecError::body_damaged;
   ByteReader in(*content);
-  if (in.u8() != kMagic) return CodecError::body_damaged;
-  if (in.u8() != kVersion) return CodecError::directory_unknown_version;
+  if (in.u8() != kBusMagic) return CodecError::body_damaged;
+  if (in.u8() != kBusVersion) return CodecError::directory_unknown_version;
   const std::uint64_t count = in.varint(), streams = in.varint();
   if (!in.ok() || count == 0 || count > kMaxBusChunkFrames || streams == 0 || streams > count) return CodecError::body_damaged;
   std::vector<BusRecord> table(streams);

@@ -13,8 +13,8 @@ using contract::Command;
 using contract::JournalCommand;
 using contract::JournalStep;
 
-constexpr std::uint8_t kMagic = 0x4A;  // 'J'
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kJournalMagic = 0x4A;  // 'J'
+constexpr std::uint8_t kJournalVersion = 1;
 constexpr int kLevel = 3;
 constexpr std::uint64_t kTick_ns = 10'000'000;
 // Longer times are stored bit for bit: beyond a second nothing is gained.
@@ -51,12 +51,12 @@ float load_f32_s(std::int64_t stored) {
 
 // Columns beside those of journal.def.
 enum Own : std::size_t { kStep, kFrames, kCommands, kDigest, kOwnColumns };
-constexpr std::size_t kColumns = kOwnColumns
+constexpr std::size_t kJournalColumns = kOwnColumns
 #define HOIST_JOURNAL(type, name, where) +1
 #include "control/contract/journal.def"
 #undef HOIST_JOURNAL
     ;
-static_assert(kColumns <= kMaxChunkColumns);
+static_assert(kJournalColumns <= kMaxChunkColumns);
 
 // When the step began, as its number and lateness say: what is stored of the time is how far it was off.
 std::uint64_t expected_time_ns(const JournalStep& step) { return step.tick * kTick_ns + nearest_ns(step.wake_lateness_s); }
@@ -89,7 +89,7 @@ void restore(JournalStep& step) {
 }
 
 void fill_columns(std::span<const JournalStep> steps, std::vector<std::vector<std::int64_t>>& columns) {
-  columns.resize(kColumns);
+  columns.resize(kJournalColumns);
   for (auto& column : columns) column.resize(steps.size());
   JournalStep before{};
   std::int64_t digests = 0;
@@ -157,8 +157,8 @@ CodecError JournalEncoder::encode(std::span<const JournalStep> steps, std::span<
   fill_columns(steps, values_);
   if (const CodecError error = columns_.encode(values_, steps.size(), ChunkLayout::one_frame, encoded_); error != CodecError::none)
     return error;
-  out.push_back(kMagic);
-  out.push_back(kVersion);
+  out.push_back(kJournalMagic);
+  out.push_back(kJournalVersion);
   put_section(encoded_.directory, out);
   put_section(encoded_.body, out);
   put_varint(out, commands.size());
@@ -177,8 +177,8 @@ CodecError decode_journal(ByteView blob, std::vector<JournalStep>& steps, std::v
   const auto content = without_checksum(blob);
   if (!content) return CodecError::body_damaged;
   ByteReader in(*content);
-  if (in.u8() != kMagic) return CodecError::body_damaged;
-  if (in.u8() != kVersion) return CodecError::directory_unknown_version;
+  if (in.u8() != kJournalMagic) return CodecError::body_damaged;
+  if (in.u8() != kJournalVersion) return CodecError::directory_unknown_version;
   const auto section = [&](ByteView& out) {
     out = in.take(in.varint());
     return in.ok();
@@ -188,9 +188,9 @@ CodecError decode_journal(ByteView blob, std::vector<JournalStep>& steps, std::v
   ChunkDirectory directory;
   if (const CodecError error = parse_directory(directory_blob, directory); error != CodecError::none) return error;
   // Another build's columns: its journal cannot be run by this one anyway.
-  if (directory.columns.size() != kColumns) return CodecError::directory_unknown_version;
-  std::vector<std::size_t> which(kColumns);
-  for (std::size_t c = 0; c < kColumns; ++c) which[c] = c;
+  if (directory.columns.size() != kJournalColumns) return CodecError::directory_unknown_version;
+  std::vector<std::size_t> which(kJournalColumns);
+  for (std::size_t c = 0; c < kJournalColumns; ++c) which[c] = c;
   std::vector<std::vector<std::int64_t>> values;
   ChunkDecoder decoder;
   if (const CodecError error = decoder.columns(directory, which, body, values); error != CodecError::none) return error;

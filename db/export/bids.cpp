@@ -20,15 +20,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kRowsPerPiece = 256;
+constexpr std::size_t kBidsRowsPerPiece = 256;
 constexpr double kNominal_hz = 100;
 constexpr std::uint64_t kSample_bytes = 8192, kFourGigabytes = 0xFFFFFFFFU;
 
-template <typename Value>
-Value or_throw(Result<Value> result) {
-  if (!result) throw SqlFailure{result.error()};
-  return std::move(*result);
-}
 std::string pretty(const json& value) { return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n"; }
 
 // Labels are letters and digits only.
@@ -91,7 +86,7 @@ class MotionTsv {
     const std::vector<std::int64_t>& ticks = source_.values[which_.size() - 2];
     const std::vector<std::int64_t>& times = source_.values[which_.size() - 1];
     std::array<char, kMaxNumber_chars> digits;
-    for (const std::size_t end = std::min(source_.row + kRowsPerPiece, ticks.size()); source_.row < end; ++source_.row) {
+    for (const std::size_t end = std::min(source_.row + kBidsRowsPerPiece, ticks.size()); source_.row < end; ++source_.row) {
       const auto tick = static_cast<std::uint64_t>(ticks[source_.row]);
       if (!source_.wanted(tick)) continue;
       if (!source_.written_tick) begin_ns_ = times[source_.row];
@@ -122,7 +117,7 @@ class EventsTsv {
   }
   bool next(std::string& out) {
     if (!std::exchange(head_written_, true)) out += "onset\tduration\ttrial_type\tname\tvalue\n";
-    for (std::size_t i = 0; i < kRowsPerPiece; ++i) {
+    for (std::size_t i = 0; i < kBidsRowsPerPiece; ++i) {
       const auto moment = moments_.next();
       if (!moment) return false;
       row(out, *moment);

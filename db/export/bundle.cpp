@@ -23,12 +23,6 @@ namespace {
 // More than a sample takes in any format.
 constexpr std::uint64_t kSample_bytes = 8192, kFourGigabytes = 0xFFFFFFFFU;
 
-template <typename Value>
-Value or_throw(Result<Value> result) {
-  if (!result) throw SqlFailure{result.error()};
-  return std::move(*result);
-}
-
 BundleFile export_file(Database& database, const SessionInfo& info, const std::string& folder, ExportFormat format) {
   BundleFile file;
   file.name = folder + "session" + std::string(export_format_info(format).ending);

@@ -13,7 +13,7 @@
 namespace hoist::db {
 namespace {
 
-constexpr std::size_t kRowsPerPiece = 256;
+constexpr std::size_t kCsvRowsPerPiece = 256;
 
 struct Dialect {
   char separator, decimal_point;
@@ -78,7 +78,7 @@ class CsvWriter : public FormatWriter {
     const std::size_t columns = source_.chosen.size();
     const std::vector<std::int64_t>& ticks = source_.values[columns];
     const std::vector<std::int64_t>& times = source_.values[columns + 1];
-    const std::size_t end = std::min(source_.row + kRowsPerPiece, ticks.size()), before = out.size();
+    const std::size_t end = std::min(source_.row + kCsvRowsPerPiece, ticks.size()), before = out.size();
     out.resize(before + (end - source_.row) * (columns + 3) * kMaxNumber_chars);
     char* at = out.data() + before;
     for (; source_.row < end; ++source_.row) {

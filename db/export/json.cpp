@@ -2,7 +2,6 @@
 // "metrics", "gaps", "events", "markers", "parameters", "manifest"}. One column after the other, so that one chunk's column is in memory.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -18,8 +17,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kNumbersPerPiece = 8192;
-
-json finite(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
 class JsonExport : public FormatWriter {
  public:

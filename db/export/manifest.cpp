@@ -26,7 +26,6 @@ template <typename Value>
 json or_null(const std::optional<Value>& value) {
   return value ? json(*value) : json(nullptr);
 }
-json finite(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
 std::string utc_text(std::int64_t utc_ns) {
   std::array<char, kMaxNumber_chars> text;
@@ -101,6 +100,8 @@ json changes_of(const ExportSource& source) {
 }
 
 }  // namespace
+
+json finite(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
 json moment_json(const Moments::Moment& moment) {
   if (moment.event != nullptr) {

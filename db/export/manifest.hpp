@@ -19,6 +19,8 @@ std::string manifest_lines(const ExportSource& source, char separator = ',');
 /// {"tick", "time_ns", "kind", "name", "code", "item", "value", "before", "text"}. A marker is of the kind "marker", has its own kind as name, a
 /// text, and no time by the steady clock: null.
 nlohmann::json moment_json(const Moments::Moment& moment);
+/// The number; null when it is not finite.
+nlohmann::json finite(double value);
 /// As one line; broken UTF-8 of a foreign file is replaced.
 std::string dumped(const nlohmann::json& value);
 

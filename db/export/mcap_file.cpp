@@ -19,7 +19,7 @@ constexpr std::size_t kChunk_bytes = 1'000'000;
 constexpr std::size_t kKept_bytes = 32 * 1024;
 // The decoder's memory stays small, and an hour is written in seconds.
 constexpr int kZstdLevel = 3;
-constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
+constexpr std::string_view kMcapMagic{"\x89MCAP0\r\n", 8};
 constexpr std::string_view kCompression = "zstd";
 enum Opcode : std::uint8_t {
   kHeader = 1,
@@ -85,7 +85,7 @@ void McapFile::record(std::string& out, std::uint8_t opcode, std::string_view co
 }
 
 void McapFile::begin(std::string& out, std::string_view profile, std::string_view library) {
-  put(out, kMagic);
+  put(out, kMcapMagic);
   std::string content;
   text(content, profile);
   text(content, library);
@@ -316,7 +316,7 @@ void McapFile::end_summary(std::string& out) {
   std::string last;
   number(last, crc_);
   put(out, last);
-  put(out, kMagic);
+  put(out, kMcapMagic);
 }
 
 }  // namespace hoist::db

@@ -13,12 +13,6 @@
 namespace hoist::db {
 namespace {
 
-template <typename Value>
-Value or_throw(Result<Value> result) {
-  if (!result) throw SqlFailure{result.error()};
-  return std::move(*result);
-}
-
 std::size_t needed_column(const ExportSource& source, std::string_view name) {
   if (const auto at = find_column(source.layout, name)) return *at;
   throw SqlFailure{Error{ErrorKind::corrupt, "session " + std::to_string(source.info.id) + " has no column " + std::string(name), {}}};

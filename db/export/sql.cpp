@@ -18,7 +18,7 @@ namespace hoist::db {
 namespace {
 
 // The columns that are not live values.
-enum Fixed : int { kSession, kTime, kUtc, kGap, kFixedCount };
+enum FixedColumn : int { kSessionColumn, kTimeColumn, kUtcColumn, kGapColumn, kFixedColumns };
 // What xBestIndex tells xFilter.
 enum Plan : int { kBySession = 1, kFrom = 2, kUntil = 4 };
 constexpr double kOneSession_rows = 1e5, kAll_rows = 1e8, kRange_share = 0.1;
@@ -181,7 +181,7 @@ int disconnect(sqlite3_vtab* table) {
 
 int best_index(sqlite3_vtab*, sqlite3_index_info* info) {
   // The values come to xFilter in this order.
-  constexpr std::array<std::pair<Plan, int>, 3> kWanted{{{kBySession, kSession}, {kFrom, kTime}, {kUntil, kTime}}};
+  constexpr std::array<std::pair<Plan, int>, 3> kWanted{{{kBySession, kSessionColumn}, {kFrom, kTimeColumn}, {kUntil, kTimeColumn}}};
   int arguments = 0;
   double rows = kAll_rows;
   for (const auto& [plan, column] : kWanted)
@@ -240,18 +240,18 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* out, int which) {
   SessionRows& rows = *static_cast<Cursor*>(base)->rows;
   return safely(base->pVtab, [&] {
     switch (which) {
-      case kSession:
+      case kSessionColumn:
         return sqlite3_result_int64(out, rows.session());
-      case kTime:
+      case kTimeColumn:
         return sqlite3_result_double(out, rows.time_s());
-      case kUtc: {
+      case kUtcColumn: {
         const std::string text = rows.utc();
         return sqlite3_result_text(out, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
       }
-      case kGap:
+      case kGapColumn:
         return sqlite3_result_int(out, rows.gap_before() ? 1 : 0);
       default: {
-        const auto live = static_cast<std::size_t>(which - kFixedCount);
+        const auto live = static_cast<std::size_t>(which - kFixedColumns);
         const ColumnInfo* info = rows.info_of(live);
         if (info == nullptr) return sqlite3_result_null(out);
         const std::int64_t stored = rows.live_value(live);

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 constexpr std::uint64_t kAll32 = 0xFFFFFFFFU, kAll16 = 0xFFFFU;
-constexpr std::uint16_t kVersion = 20, kVersion64 = 45;
+constexpr std::uint16_t kZipVersion = 20, kZip64Version = 45;
 // Sizes follow the data; names are UTF-8.
 constexpr std::uint16_t kFlags = 0x0808, kDeflate = 8, kZip64 = 1;
 constexpr std::uint16_t kMadeByUnix = 3 << 8;
@@ -64,7 +64,7 @@ void ZipFile::begin_file(std::string& out, std::string_view name, std::int64_t u
   entry.large = large;
   entry.dos_time = dos_time(utc_ns);
   std::string head = "PK\3\4";
-  numbers(head, large ? kVersion64 : kVersion, kFlags, kDeflate, entry.dos_time, std::uint32_t{0});
+  numbers(head, large ? kZip64Version : kZipVersion, kFlags, kDeflate, entry.dos_time, std::uint32_t{0});
   const std::uint32_t unknown = large ? static_cast<std::uint32_t>(kAll32) : 0;
   numbers(head, unknown, unknown, static_cast<std::uint16_t>(name.size()), static_cast<std::uint16_t>(large ? 20 : 0));
   head += name;
@@ -118,7 +118,7 @@ void ZipFile::end(std::string& out) {
     if (wide) numbers(extra, kZip64, std::uint16_t{24}, entry.size, entry.packed, entry.offset);
     const auto shown = [wide](std::uint64_t value) { return wide ? static_cast<std::uint32_t>(kAll32) : low(value); };
     std::string row = "PK\1\2";
-    const std::uint16_t version = wide ? kVersion64 : kVersion;
+    const std::uint16_t version = wide ? kZip64Version : kZipVersion;
     numbers(row, static_cast<std::uint16_t>(kMadeByUnix | version), version, kFlags, kDeflate, entry.dos_time, entry.crc);
     numbers(row, shown(entry.packed), shown(entry.size), static_cast<std::uint16_t>(entry.name.size()));
     numbers(row, static_cast<std::uint16_t>(extra.size()), std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0}, kPlainFile);
@@ -129,7 +129,8 @@ void ZipFile::end(std::string& out) {
   std::string tail;
   if (begin + size >= kAll32 || count >= kAll16) {
     tail = "PK\6\6";
-    numbers(tail, std::uint64_t{44}, static_cast<std::uint16_t>(kMadeByUnix | kVersion64), kVersion64, std::uint32_t{0}, std::uint32_t{0});
+    numbers(tail, std::uint64_t{44}, static_cast<std::uint16_t>(kMadeByUnix | kZip64Version), kZip64Version, std::uint32_t{0},
+            std::uint32_t{0});
     numbers(tail, count, count, size, begin);
     tail += "PK\6\7";
     numbers(tail, std::uint32_t{0}, begin + size, std::uint32_t{1});

@@ -167,11 +167,6 @@ std::string compact_utc(std::int64_t utc_ns) {
   return {text.data(), std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &parts)};
 }
 
-std::uint64_t number_of(sqlite3* handle, std::string_view sql) {
-  Statement statement(handle, sql);
-  return statement.step() ? statement.unsigned_at(0) : 0;
-}
-
 Status check_target(const fs::path& folder, std::uint64_t bytes) {
   std::error_code error;
   if (!fs::is_directory(folder, error))

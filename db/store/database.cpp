@@ -23,10 +23,6 @@
 namespace hoist::db {
 namespace {
 
-std::int64_t number_of(sqlite3* handle, const char* sql) {
-  Statement statement(handle, sql);
-  return statement.step() ? statement.integer_at(0) : 0;
-}
 int user_version(sqlite3* handle) { return static_cast<int>(number_of(handle, "PRAGMA user_version")); }
 
 std::string compact_utc(std::int64_t utc_ns) {
@@ -211,7 +207,7 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
 
 Result<Database> Database::attach(const std::filesystem::path& file, const OpenOptions& options) {
   if (options.vfs == nullptr)
-    if (const Identified found = identify(file); found.identity == Identity::foreign) return foreign_file(file, found.why);
+    if (const Identified found = identify(file); found.identity == FileIdentity::foreign) return foreign_file(file, found.why);
   Result<Database> database = connect(file, options, false);
   if (!database) return database;
   return guarded([&]() -> Result<Database> {
@@ -229,8 +225,8 @@ Result<Database> Database::attach(const std::filesystem::path& file, const OpenO
 Result<Database> Database::inspect(const std::filesystem::path& file, const OpenOptions& options) {
   if (options.vfs == nullptr) {
     const Identified found = identify(file);
-    if (found.identity == Identity::foreign) return foreign_file(file, found.why);
-    if (found.identity != Identity::ours)
+    if (found.identity == FileIdentity::foreign) return foreign_file(file, found.why);
+    if (found.identity != FileIdentity::ours)
       return Error{ErrorKind::corrupt, file.string() + " holds no recordings" + (found.why.empty() ? "" : ": " + found.why), {}};
   }
   Result<Database> database = connect(file, options, false);
@@ -274,7 +270,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
     report.created = report.created || !std::filesystem::exists(file, ignored);
     // Before SQLite sees it: opening a database may already write to it, and an empty one has its log deleted.
     const Identified found = options.vfs == nullptr ? identify(file) : Identified{};
-    if (found.identity == Identity::foreign) return foreign_file(file, found.why);
+    if (found.identity == FileIdentity::foreign) return foreign_file(file, found.why);
     std::string damage = round == 0 && !options.damage.empty() ? options.damage : found.why;
     Result<Database> connected = damage.empty() ? connect(file, options, true) : Error{ErrorKind::corrupt, damage, {}};
     if (!connected) {

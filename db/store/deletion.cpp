@@ -31,7 +31,7 @@ class SecureDelete {
   sqlite3* handle_;
 };
 
-constexpr std::array<std::string_view, 4> kBlobTables{"chunks", "bus_chunks", "journal_chunks", "core_images"};
+constexpr std::array<std::string_view, 4> kErasedTables{"chunks", "bus_chunks", "journal_chunks", "core_images"};
 
 // Rows of all tables that belong to a session but the large ones, whichever tables there are.
 void delete_small_rows(sqlite3* handle, SessionId session) {
@@ -40,7 +40,7 @@ void delete_small_rows(sqlite3* handle, SessionId session) {
                    "SELECT m.name, f.\"from\" FROM sqlite_schema AS m, pragma_foreign_key_list(m.name) AS f "
                    "WHERE m.type = 'table' AND f.\"table\" = 'sessions'");
   while (tables.step())
-    if (const std::string name = tables.text_at(0); std::ranges::find(kBlobTables, name) == kBlobTables.end())
+    if (const std::string name = tables.text_at(0); std::ranges::find(kErasedTables, name) == kErasedTables.end())
       deletions.push_back("DELETE FROM " + name + " WHERE " + tables.text_at(1) + " = ?1");
   for (const std::string& sql : deletions) Statement(handle, sql).integer(1, session).run();
 }
@@ -86,7 +86,7 @@ Result<bool> erase_piece(Database& database) {
     // Here and not in take_out: what belongs to a patient goes by its foreign keys.
     drop_empty_visits(handle);
     std::size_t room = kErasedRows;
-    for (const std::string_view table : kBlobTables) {
+    for (const std::string_view table : kErasedTables) {
       const std::string name(table);
       Statement(handle, "DELETE FROM " + name + " WHERE id IN (SELECT id FROM " + name + " WHERE session_id = ?1 LIMIT ?2)")
           .integer(1, session)

@@ -17,7 +17,7 @@ namespace {
 // SQLite's file format: 100 bytes of header, the application id as a big-endian number at 68; the log's own header has 32 bytes.
 constexpr std::size_t kHeader_bytes = 100, kApplicationIdAt = 68;
 constexpr std::uintmax_t kLogHeader_bytes = 32;
-constexpr std::string_view kMagic{"SQLite format 3\0", 16};
+constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
 
 std::uintmax_t size_of(const std::filesystem::path& file) {
   std::error_code error;
@@ -46,12 +46,12 @@ Identified by_tables(const std::filesystem::path& file) {
   sqlite3* opened = nullptr;
   const int code = sqlite3_open_v2(file.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close_v2)> handle(opened, &sqlite3_close_v2);
-  const Identified foreign{Identity::foreign, "is a database of another program"};
+  const Identified foreign{FileIdentity::foreign, "is a database of another program"};
   if (code != SQLITE_OK) return foreign;
   try {
     Statement statement(opened, "SELECT count(*), sum(name IN ('sessions', 'column_layout', 'chunks')) FROM sqlite_master");
     if (!statement.step()) return foreign;
-    if (statement.integer_at(0) == 0) return {Identity::fresh, {}};
+    if (statement.integer_at(0) == 0) return {FileIdentity::fresh, {}};
     return statement.integer_at(1) == 3 ? Identified{} : foreign;
   } catch (const SqlFailure&) {
     return foreign;
@@ -64,20 +64,20 @@ Identified identify(const std::filesystem::path& file) {
   if (size_of(file) == 0) {
     std::error_code ignored;
     if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored)) return {};
-    if (size_of(file.string() + "-wal") > kLogHeader_bytes) return {Identity::damaged, "the file is empty or gone, its log is not"};
-    return {Identity::fresh, {}};
+    if (size_of(file.string() + "-wal") > kLogHeader_bytes) return {FileIdentity::damaged, "the file is empty or gone, its log is not"};
+    return {FileIdentity::fresh, {}};
   }
   const std::optional<std::string> bytes_read = first_bytes(file);
   if (!bytes_read) return {};  // opening it says what the system has against it
   const std::string_view bytes = *bytes_read;
-  if (std::ranges::all_of(bytes, [](char byte) { return byte == 0; })) return {Identity::damaged, "the file begins with zeros"};
-  const std::size_t magic = std::min(bytes.size(), kMagic.size());
-  if (bytes.substr(0, magic) != kMagic.substr(0, magic)) return {Identity::foreign, "is no database"};
-  if (bytes.size() < kHeader_bytes) return {Identity::damaged, "the file is cut in its first bytes"};
+  if (std::ranges::all_of(bytes, [](char byte) { return byte == 0; })) return {FileIdentity::damaged, "the file begins with zeros"};
+  const std::size_t magic = std::min(bytes.size(), kSqliteMagic.size());
+  if (bytes.substr(0, magic) != kSqliteMagic.substr(0, magic)) return {FileIdentity::foreign, "is no database"};
+  if (bytes.size() < kHeader_bytes) return {FileIdentity::damaged, "the file is cut in its first bytes"};
   std::int64_t id = 0;
   for (std::size_t i = 0; i < 4; ++i) id = id << 8 | static_cast<unsigned char>(bytes[kApplicationIdAt + i]);
   if (id == kApplicationId) return {};
-  return id == 0 ? by_tables(file) : Identified{Identity::foreign, "is a database of another program"};
+  return id == 0 ? by_tables(file) : Identified{FileIdentity::foreign, "is a database of another program"};
 }
 
 }  // namespace hoist::db

@@ -9,14 +9,14 @@ namespace hoist::db {
 /// SQLite's application_id of our files: "Hois" in ASCII.
 inline constexpr std::int64_t kApplicationId = 0x486F6973;
 
-enum class Identity : std::uint8_t {
+enum class FileIdentity : std::uint8_t {
   fresh,    // absent or without content: may be begun
   ours,     // as far as its first bytes tell
   damaged,  // ours once, or without content: zeros, cut in its header, or empty beside a full log
   foreign,  // of another program: it stays as it is
 };
 struct Identified {
-  Identity identity = Identity::ours;
+  FileIdentity identity = FileIdentity::ours;
   std::string why;  // of damaged and foreign
 };
 [[nodiscard]] Identified identify(const std::filesystem::path& file);

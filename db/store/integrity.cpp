@@ -64,11 +64,6 @@ class ReadWatch {
 };
 thread_local ReadWatch* ReadWatch::current_ = nullptr;
 
-std::int64_t number_of(sqlite3* handle, std::string_view sql) {
-  Statement statement(handle, sql);
-  return statement.step() ? statement.integer_at(0) : 0;
-}
-
 // False when it was ended.
 bool check_pages(sqlite3* handle, const CheckStep& step, IntegrityReport& report) {
   const auto file_bytes =

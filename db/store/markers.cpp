@@ -15,7 +15,7 @@
 namespace hoist::db {
 namespace {
 
-constexpr const char* kRows =
+constexpr const char* kMarkerRows =
     "SELECT number, tick, utc_ns, text, user, role, origin, client, utc_ns - started_utc_ns, ifnull(kind, 'note') FROM markers "
     "JOIN sessions ON sessions.id = session_id LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ";
 
@@ -29,7 +29,7 @@ MarkerInfo info_at(const Statement& row) {
 }
 
 std::optional<MarkerInfo> marker_row(sqlite3* handle, SessionId session, std::int64_t number) {
-  Statement row(handle, std::string(kRows) + "AND number = ?2");
+  Statement row(handle, std::string(kMarkerRows) + "AND number = ?2");
   return row.integer(1, session).integer(2, number).step() ? std::optional(info_at(row)) : std::nullopt;
 }
 
@@ -78,7 +78,7 @@ Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session, std::int64_
     if (Statement known(handle, "SELECT 1 FROM sessions WHERE id = ?1"); !known.integer(1, session).step())
       return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
     std::vector<MarkerInfo> out;
-    Statement rows(handle, std::string(kRows) + "AND number > ?2 ORDER BY number LIMIT ?3");
+    Statement rows(handle, std::string(kMarkerRows) + "AND number > ?2 ORDER BY number LIMIT ?3");
     rows.integer(1, session).integer(2, after).unsigned_integer(3, limit);
     while (rows.step()) out.push_back(info_at(rows));
     return out;

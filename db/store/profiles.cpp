@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kRows =
+constexpr const char* kProfileRows =
     "SELECT profiles.id, patient_id, name, version, utc_ns, settings, user, role, origin, client FROM profiles "
     "JOIN profile_versions ON profile_id = profiles.id LEFT JOIN actors ON actors.id = actor_id WHERE ";
 constexpr const char* kNewest = "version = (SELECT max(version) FROM profile_versions WHERE profile_id = profiles.id) ";
@@ -37,7 +37,7 @@ ProfileInfo profile_at(const Statement& row) {
 }
 
 std::optional<ProfileInfo> profile_row(sqlite3* handle, std::int64_t profile) {
-  Statement row(handle, std::string(kRows) + "profiles.id = ?1 AND " + kNewest);
+  Statement row(handle, std::string(kProfileRows) + "profiles.id = ?1 AND " + kNewest);
   return row.integer(1, profile).step() ? std::optional(profile_at(row)) : std::nullopt;
 }
 
@@ -70,8 +70,8 @@ Result<VisitPage<ProfileInfo>> ProfileStore::list(std::int64_t patient, const Vi
     Transaction transaction(database_->handle(), Transaction::Kind::read);
     if (!patient_row(database_->handle(), patient))
       return Error{ErrorKind::not_found, "there is no patient " + std::to_string(patient), {}};
-    Statement rows(database_->handle(),
-                   std::string(kRows) + "profiles.id < ?1 AND patient_id = ?3 AND " + kNewest + "ORDER BY profiles.id DESC LIMIT ?2");
+    Statement rows(database_->handle(), std::string(kProfileRows) + "profiles.id < ?1 AND patient_id = ?3 AND " + kNewest +
+                                            "ORDER BY profiles.id DESC LIMIT ?2");
     rows.integer(3, patient);
     return page_of<ProfileInfo>(rows, query, profile_at, [](const ProfileInfo& p) { return p.id; });
   });
@@ -88,7 +88,7 @@ Result<VisitPage<ProfileInfo>> ProfileStore::versions(std::int64_t profile, cons
   return guarded([&]() -> Result<VisitPage<ProfileInfo>> {
     Transaction transaction(database_->handle(), Transaction::Kind::read);
     if (!profile_row(database_->handle(), profile)) return no_such_profile(profile);
-    Statement rows(database_->handle(), std::string(kRows) + "version < ?1 AND profiles.id = ?3 ORDER BY version DESC LIMIT ?2");
+    Statement rows(database_->handle(), std::string(kProfileRows) + "version < ?1 AND profiles.id = ?3 ORDER BY version DESC LIMIT ?2");
     rows.integer(3, profile);
     return page_of<ProfileInfo>(rows, query, profile_at, [](const ProfileInfo& p) { return p.version; });
   });

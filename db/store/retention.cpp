@@ -15,11 +15,6 @@ using nlohmann::json;
 constexpr std::string_view kSetting = "retention";
 constexpr std::int64_t kSecond_ns = 1'000'000'000, kDay_s = 86'400;
 
-std::int64_t number_of(sqlite3* handle, std::string_view sql) {
-  Statement row(handle, sql);
-  return row.step() ? row.integer_at(0) : 0;
-}
-
 Status check_range(const std::optional<std::int64_t>& value, std::int64_t least, std::int64_t most, const char* field) {
   if (!value || (*value >= least && *value <= most)) return {};
   return Error{ErrorKind::bad_value, std::string(field) + " must be " + std::to_string(least) + " to " + std::to_string(most), field};

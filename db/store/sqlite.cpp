@@ -112,6 +112,11 @@ ByteView Statement::blob_at(int column) const {
   return data == nullptr ? ByteView{} : ByteView(data, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
 }
 
+std::int64_t number_of(sqlite3* handle, std::string_view sql) {
+  Statement statement(handle, sql);
+  return statement.step() ? statement.integer_at(0) : 0;
+}
+
 void execute(sqlite3* handle, const char* sql) {
   const int code = sqlite3_exec(handle, sql, nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, sqlite3_extended_errcode(handle), "the database");

@@ -20,6 +20,12 @@ namespace hoist::db {
 struct SqlFailure {
   Error error;
 };
+// The value, or its error thrown.
+template <typename Value>
+Value or_throw(Result<Value> result) {
+  if (!result) throw SqlFailure{result.error()};
+  return std::move(*result);
+}
 [[noreturn]] void throw_sql(sqlite3* handle, int code, std::string_view doing);
 
 class Statement {
@@ -58,6 +64,8 @@ class Statement {
   sqlite3_stmt* statement_ = nullptr;
 };
 
+// The first value of the first row; 0 without a row.
+std::int64_t number_of(sqlite3* handle, std::string_view sql);
 void execute(sqlite3* handle, const char* sql);
 // Best effort: tells whether it worked, throws nothing. For housekeeping that may fail.
 bool try_execute(sqlite3* handle, const char* sql) noexcept;

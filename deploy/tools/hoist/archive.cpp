@@ -16,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr const char* kHelp =
+constexpr const char* kArchiveHelp =
     "usage: hoist archive create TARGET\n"
     "       hoist archive push DB TARGET [--device NAME] [--simulated]\n"
     "       hoist archive pull TARGET DB [--patient CODE] [--device NAME] [--from DAY] [--to DAY] [--uuid UUID]\n"
@@ -168,7 +168,7 @@ constexpr std::array kActions{Action{"create", 1, &create}, Action{"push", 2, &p
 
 int run_archive(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kArchiveHelp, stdout);
     return kDone;
   }
   Wish wish;

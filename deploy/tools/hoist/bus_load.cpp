@@ -14,7 +14,7 @@ namespace {
 
 using namespace hoist::contract;
 
-constexpr char kHelp[] =
+constexpr char kBusLoadHelp[] =
     "usage: hoist bus load [--markdown | --json] [--rates none|planned|all]\n\n"
     "Load and worst response times of the bus, computed from the tables. --rates: which tilt sensors send their rates\n"
     "(default planned: the base's). --markdown prints firmware/BUS_LOAD.gen.md, which shows all of them.\n";
@@ -71,7 +71,7 @@ int run_bus_load(std::span<const std::string_view> arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];
     if (argument == "--help") {
-      std::fputs(kHelp, stdout);
+      std::fputs(kBusLoadHelp, stdout);
       return kDone;
     }
     if (argument == "--json") {
@@ -85,7 +85,7 @@ int run_bus_load(std::span<const std::string_view> arguments) {
       ++i;
       rates = arguments[i] == "none" ? SwitchedPdos::none : arguments[i] == "all" ? SwitchedPdos::all : SwitchedPdos::as_planned;
     } else {
-      std::fputs(kHelp, stderr);
+      std::fputs(kBusLoadHelp, stderr);
       return kBadUsage;
     }
   }

@@ -15,7 +15,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr char kHelp[] =
+constexpr char kBusLogHelp[] =
     "usage: hoist bus log FILE [--json] [--only NAME] [--count]\n\n"
     "A recording in candump's log format (candump -L, hoist-control --capture), one frame a line, with names and units.\n"
     "  --json       one JSON object a line\n"
@@ -32,7 +32,7 @@ int run_bus_log(std::span<const std::string_view> arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];
     if (argument == "--help") {
-      std::fputs(kHelp, stdout);
+      std::fputs(kBusLogHelp, stdout);
       return kDone;
     }
     if (argument == "--json") {
@@ -44,12 +44,12 @@ int run_bus_log(std::span<const std::string_view> arguments) {
     } else if (!argument.starts_with("-") && path.empty()) {
       path = argument;
     } else {
-      std::fputs(kHelp, stderr);
+      std::fputs(kBusLogHelp, stderr);
       return kBadUsage;
     }
   }
   if (path.empty()) {
-    std::fputs(kHelp, stderr);
+    std::fputs(kBusLogHelp, stderr);
     return kBadUsage;
   }
   std::vector<bus::LogEntry> entries;

@@ -16,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr char kHelp[] =
+constexpr char kBusMonitorHelp[] =
     "usage: hoist bus monitor --bus ADDRESS [--only NAME] [--changes] [--seconds S] [--json]\n\n"
     "What passes on the bus now, one frame a line, until Ctrl-C. ADDRESS is slcan:/dev/ttyUSB0 or socketcan:can0.\n"
     "It sends nothing. A serial line belongs to one program: beside hoist-control, use its --capture and hoist bus log.\n"
@@ -67,12 +67,12 @@ std::optional<MonitorRequest> parse(std::span<const std::string_view> arguments)
 
 int run_bus_monitor(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kBusMonitorHelp, stdout);
     return kDone;
   }
   const auto request = parse(arguments);
   if (!request) {
-    std::fputs(kHelp, stderr);
+    std::fputs(kBusMonitorHelp, stderr);
     return kBadUsage;
   }
   BusLine line;

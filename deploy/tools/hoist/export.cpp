@@ -11,13 +11,14 @@
 #include "db/export/bundle.hpp"
 #include "db/export/session_export.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/open_file.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 
 namespace hoist::tool {
 
 namespace {
 
-void print_help(std::FILE* out) {
+void print_export_help(std::FILE* out) {
   std::string text =
       "usage: hoist export DB SESSION [--format " + std::string(db::kExportFormatNames) +
       "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
@@ -38,10 +39,6 @@ void print_help(std::FILE* out) {
       "  --tag          sessions whose note holds the word #TAG\n";
   std::fputs(text.c_str(), out);
 }
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { (void)std::fclose(file); }
-};
 
 }  // namespace
 
@@ -105,7 +102,7 @@ Refusal take_option(Wish& wish, std::string_view option, const std::function<std
 
 // Writes every piece to the file, or to standard output.
 int write_all(const std::string& out_file, const std::function<db::Result<bool>(std::string&)>& next) {
-  std::unique_ptr<std::FILE, CloseFile> file;
+  File file;
   std::FILE* out = stdout;
   if (!out_file.empty()) {
     file.reset(std::fopen(out_file.c_str(), "wb"));
@@ -147,7 +144,7 @@ int run_export(std::span<const std::string_view> arguments) {
       return arguments[++i];
     };
     if (argument == "--help") {
-      print_help(stdout);
+      print_export_help(stdout);
       return kDone;
     }
     if (!argument.starts_with("--"))

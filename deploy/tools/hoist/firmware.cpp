@@ -16,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr const char* kHelp =
+constexpr const char* kFirmwareHelp =
     "usage: hoist firmware pack IN.bin OUT.hoistfw [--simulated]\n"
     "       hoist firmware show FILE.hoistfw [--json]\n"
     "       hoist firmware list --bus ADDRESS [--json]\n"
@@ -142,13 +142,13 @@ constexpr Verb kVerbs[] = {{"pack", "--simulated ", &pack},
 
 int run_firmware(std::span<const std::string_view> arguments) {
   if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h") {
-    std::fputs(kHelp, arguments.empty() ? stderr : stdout);
+    std::fputs(kFirmwareHelp, arguments.empty() ? stderr : stdout);
     return arguments.empty() ? kBadUsage : kDone;
   }
   for (const Verb& verb : kVerbs) {
     if (verb.name != arguments[0]) continue;
     if (arguments.size() > 1 && arguments[1] == "--help") {
-      std::fputs(kHelp, stdout);
+      std::fputs(kFirmwareHelp, stdout);
       return kDone;
     }
     Words words;

@@ -16,7 +16,7 @@ namespace {
 /// An hour of a run at 100 Hz with all columns is about 40 MB of text; a line beyond this is not read into JSON.
 constexpr std::size_t kLineLimit = 64U << 20U;
 
-void print_help(std::FILE* out) {
+void print_laws_help(std::FILE* out) {
   std::fputs(
       "usage: hoist laws --list              name each law with a line\n"
       "       hoist laws NAME --help         what goes in and comes out\n"
@@ -68,11 +68,11 @@ int run_law(const Law& law, const json& params) {
 
 int run_laws(std::span<const std::string_view> arguments) {
   if (arguments.empty()) {
-    print_help(stderr);
+    print_laws_help(stderr);
     return kBadUsage;
   }
   if (arguments.front() == "--help" || arguments.front() == "-h") {
-    print_help(stdout);
+    print_laws_help(stdout);
     return kDone;
   }
   if (arguments.front() == "--list" && arguments.size() == 1) {
@@ -92,7 +92,7 @@ int run_laws(std::span<const std::string_view> arguments) {
     }
     if (arguments[i] != "--json" || i + 1 == arguments.size()) {
       std::fprintf(stderr, "hoist laws: \"%s\" is not understood here\n", std::string(arguments[i]).c_str());
-      print_help(stderr);
+      print_laws_help(stderr);
       return kBadUsage;
     }
     params = json::parse(arguments[++i], nullptr, false);

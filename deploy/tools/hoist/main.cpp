@@ -12,7 +12,7 @@
 
 namespace {
 
-void print_help(std::FILE* out) {
+void print_main_help(std::FILE* out) {
   std::fputs("usage: hoist COMMAND [ARGUMENTS]\n       hoist --version\n\ncommands (each explains itself with --help):\n", out);
   for (const auto& command : hoist::tool::command_list()) {
     std::fprintf(out, "  %-10.*s %.*s\n", static_cast<int>(command.name.size()), command.name.data(),
@@ -26,11 +26,11 @@ int main(int count, char** values) {
   ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
   const std::vector<std::string_view> arguments(values + (count > 0 ? 1 : 0), values + count);
   if (arguments.empty()) {
-    print_help(stderr);
+    print_main_help(stderr);
     return hoist::tool::kBadUsage;
   }
   if (arguments.front() == "--help" || arguments.front() == "-h" || arguments.front() == "help") {
-    print_help(stdout);
+    print_main_help(stdout);
     return hoist::tool::kDone;
   }
   if (arguments.front() == "--version") {
@@ -47,6 +47,6 @@ int main(int count, char** values) {
     }
   }
   std::fprintf(stderr, "hoist: there is no command \"%s\"\n", std::string(arguments.front()).c_str());
-  print_help(stderr);
+  print_main_help(stderr);
   return hoist::tool::kBadUsage;
 }

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kHelp =
+constexpr const char* kMetricsHelp =
     "usage: hoist metrics DB SESSION|all\n"
     "       hoist metrics --list\n"
     "       hoist metrics recompute DB FILE [FILE...]\n\n"
@@ -136,7 +136,7 @@ int print_list() {
 
 int run_metrics(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kMetricsHelp, stdout);
     return kDone;
   }
   if (arguments.size() == 1 && arguments[0] == "--list") return print_list();

@@ -7,6 +7,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/open_file.hpp"
 #include "deploy/tools/hoist/parameter_change.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 #include "deploy/tools/hoist/rerun.hpp"
@@ -15,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-void print_help(std::FILE* out) {
+void print_replay_help(std::FILE* out) {
   std::fputs(
       "usage: hoist replay DB SESSION --set NAME=VALUE [--set …] [--out FILE]\n\nRuns the core again with what each step of the session "
       "was given, "
@@ -27,10 +28,6 @@ void print_help(std::FILE* out) {
       "wheels go on as they did then.\n",
       out);
 }
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { (void)std::fclose(file); }
-};
 
 /// How far each live value came from the recorded one.
 class Deviations {
@@ -82,7 +79,7 @@ int run_replay(std::span<const std::string_view> arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];
     if (argument == "--help") {
-      print_help(stdout);
+      print_replay_help(stdout);
       return kDone;
     }
     if (argument == "--set" || argument == "--out") {
@@ -102,7 +99,7 @@ int run_replay(std::span<const std::string_view> arguments) {
   if (changes.empty()) return bad_usage("replay", "--set says what is to be another; hoist verify runs a session as it was");
   db::Result<db::Database> database = db::Database::attach(std::string(places[0]));
   if (!database) return refuse("replay", database.error());
-  std::unique_ptr<std::FILE, CloseFile> file;
+  File file;
   if (!out_file.empty()) {
     file.reset(std::fopen(out_file.c_str(), "wb"));
     if (!file) return refuse("replay", {db::ErrorKind::io, "cannot write " + out_file, {}});

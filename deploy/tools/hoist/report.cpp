@@ -19,7 +19,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr const char* kHelp =
+constexpr const char* kReportHelp =
     "usage: hoist report DB [--session N]... [--patient CODE] [--tag TAG] --out DIR\n"
     "                    [--kind patient|full] [--language en|de] [--no-simulated]\n\n"
     "Writes session-N.html into DIR for each chosen session, and group.html when there are several: pages for print, made into paper or "
@@ -123,7 +123,7 @@ int write_all(db::Database& database, const Request& request, const std::vector<
 
 int run_report(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kReportHelp, stdout);
     return kDone;
   }
   Request request;

@@ -16,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-void print_help(std::FILE* out) {
+void print_sql_help(std::FILE* out) {
   std::fputs(
       "usage: hoist sql DB [\"SELECT …\"]\n\n"
       "Runs the statements, or those from standard input (each ends with ;), and prints their rows as CSV. Only reading is allowed.\n"
@@ -86,7 +86,7 @@ int run_input(db::Database& database) {
 int run_sql_command(std::span<const std::string_view> arguments) {
   for (const std::string_view argument : arguments)
     if (argument == "--help") {
-      print_help(stdout);
+      print_sql_help(stdout);
       return kDone;
     }
   if (arguments.empty() || arguments.size() > 2 || arguments[0].starts_with("--"))

@@ -30,7 +30,7 @@ namespace {
 using study::Protocol;
 using study::Results;
 
-constexpr const char* kHelp =
+constexpr const char* kStudyHelp =
     "usage: hoist study --subjects N [--seed S] [--protocol FILE] [--out DB] [--figures FOLDER] [--json FILE]\n"
     "       hoist study --recorded DB [--tag WORD | --study N | --sessions N,N,…] [--protocol FILE] [--figures FOLDER] [--json FILE]\n"
     "       hoist study --archive TARGET [--from DAY] [--to DAY] [--tag WORD] [--protocol FILE] [--figures FOLDER] [--json FILE]\n\n"
@@ -250,7 +250,7 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
 
 int run_study(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kStudyHelp, stdout);
     return kDone;
   }
   if (arguments.size() == 1 && arguments[0] == "--protocol-text") {

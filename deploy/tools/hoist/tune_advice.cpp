@@ -16,7 +16,7 @@ namespace hoist::tool {
 
 namespace {
 
-constexpr const char* kHelp =
+constexpr const char* kTuneAdviceHelp =
     "usage: hoist tune-advice DB SESSION [--json]\n"
     "       hoist tune-advice next DB SESSION [better|worse|same …]\n\n"
     "Suggested dead bands and gains, from how still the patient stood and how far the patient leaned and turned to walk. For each: what\n"
@@ -98,7 +98,7 @@ int print_next(db::Database& database, db::SessionId session, std::span<const st
 
 int run_tune_advice(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kTuneAdviceHelp, stdout);
     return kDone;
   }
   const bool next = !arguments.empty() && arguments[0] == "next";

@@ -21,7 +21,7 @@ using twin::Fit;
 using twin::FittedValue;
 using twin::LedSession;
 
-constexpr const char* kHelp =
+constexpr const char* kTwinHelp =
     "usage: hoist twin DB SESSION [--set NAME=VALUE …] [--against SESSION …] [--walks K] [--seed S]\n\n"
     "Fits the simulated patient to a session in which the patient led along an exercise: delay, stiffness, cadence, asymmetry and turning\n"
     "lead, each with its spread and with the value it is told from least. The patient is put into a hoist that moves as recorded, and its\n"
@@ -197,7 +197,7 @@ int run(const Request& request) {
 
 int run_twin(std::span<const std::string_view> arguments) {
   if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kHelp, stdout);
+    std::fputs(kTwinHelp, stdout);
     return kDone;
   }
   Request request;

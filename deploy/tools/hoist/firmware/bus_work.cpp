@@ -23,7 +23,7 @@ using contract::Node;
 
 constexpr std::uint64_t kStep_ns = 1'000'000;
 constexpr std::uint64_t kBusUp_ns = 3'000'000'000;  // after this time the adapter counts as not plugged in
-constexpr std::uint64_t kGone_ns = 2'000'000'000;   // timeout of a bus that is lost meanwhile
+constexpr std::uint64_t kLost_ns = 2'000'000'000;   // timeout of a bus that is lost meanwhile
 
 std::uint64_t steady_ns() {
   timespec now{};
@@ -61,7 +61,7 @@ class Bus {
     }
     const timespec pause{0, kStep_ns};
     ::nanosleep(&pause, nullptr);
-    return now_ns - up_ns_ < kGone_ns;
+    return now_ns - up_ns_ < kLost_ns;
   }
   void send(const CanFrame& frame) { to_send_ = frame; }
 

@@ -5,17 +5,9 @@
 #include <memory>
 
 #include "control/contract/can_dictionary.hpp"
+#include "deploy/tools/hoist/open_file.hpp"
 
 namespace hoist::tool {
-
-namespace {
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { (void)std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-}  // namespace
 
 Refusal read_file(const std::string& path, std::vector<std::uint8_t>& content) {
   const File file(std::fopen(path.c_str(), "rb"));
