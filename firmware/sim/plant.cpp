@@ -16,6 +16,8 @@ constexpr double kObstacleSpring_n_m = 8000.0;
 constexpr double kObstacleDamping_n_s_m = 1500.0;
 /// A bumper strip yields by this much; it reports from the first touch.
 constexpr double kObstacleForceLimit_n = 2000.0;
+/// Below the casters' radius. A tyre that drops on the floor comes up with this share of its speed (assumed).
+constexpr double kEdgeHighest_m = 0.04, kBounce_norm = 0.4;
 /// Pushing by hand along a tape: slower than walking.
 constexpr double kPushPace_m_s = 0.4, kPushTurn_rad_s = 0.35, kPushShortest_s = 0.5;
 
@@ -126,7 +128,7 @@ double Plant::friction_n_m(Side side) const {
 }
 
 double Plant::grip_n(Side side) const {
-  return grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * (params_.mass_kg * kGravity_m_s2 + carried_n_);
+  return pressed_norm_[index(side)] * grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * (params_.mass_kg * kGravity_m_s2 + carried_n_);
 }
 
 void Plant::step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {
@@ -233,6 +235,65 @@ void Plant::feel_obstacles(double& forward_n) {
   }
 }
 
+bool Plant::lay_edge(const FloorEdge& edge) {
+  const bool finite = std::isfinite(edge.x_m) && std::isfinite(edge.y_m) && std::isfinite(edge.psi_rad) && std::isfinite(edge.length_m);
+  const double high_m = std::fabs(edge.height_m);
+  if (on_edge_ || !finite || !(high_m >= 0.001 && high_m <= kEdgeHighest_m) || edge.length_m < 0.0) return false;
+  level_floor();
+  edge_ = edge;
+  edge_goes_ = false;
+  return true;
+}
+
+// Wheels 0 and 1 are the driven ones, 2 and 3 the casters, each pair left and right.
+void Plant::feel_wheel_on_edge(std::size_t i, double weight_n, std::array<double, 4>& height_m, double dt_s) {
+  const bool driven = i < 2;
+  const double ahead_m = driven ? 0.0 : params_.caster_ahead_m;
+  const double left_m = (i % 2 == 0 ? 0.5 : -0.5) * params_.track_width_m;
+  const double sine = std::sin(platform_.psi_rad), cosine = std::cos(platform_.psi_rad);
+  const WheelPath path = over(*edge_, platform_.x_m + cosine * ahead_m - sine * left_m, platform_.y_m + sine * ahead_m + cosine * left_m,
+                              driven ? params_.wheel_radius_m : params_.caster_radius_m);
+  const double way_norm = std::cos(edge_->psi_rad - platform_.psi_rad);
+  const double push_n = -weight_n * path.slope_norm * way_norm;
+  height_m[i] = path.height_m;
+  edge_force_.forward_n += push_n;
+  edge_force_.turn_n_m -= left_m * push_n;
+  if (!driven) return;
+  const double along_m_s = way_norm * (platform_.speed_m_s - platform_.yaw_rate_rad_s * left_m);
+  const double drop_m_s = std::max(0.0, -path.slope_norm * along_m_s);
+  if (path.slope_norm == 0.0 && drop_m_s_[i] > 0.0) bounce_s_[i] = 2.0 * kBounce_norm * drop_m_s_[i] / kGravity_m_s2;
+  // While the tyre meets the lower floor the slope fades.
+  drop_m_s_[i] = path.slope_norm == 0.0 ? 0.0 : std::max(drop_m_s, drop_m_s_[i]);
+  bounce_s_[i] = std::max(0.0, bounce_s_[i] - dt_s);
+  pressed_norm_[i] = bounce_s_[i] > 0.0 ? 0.0 : std::clamp(1.0 + along_m_s * along_m_s * path.curve_per_m / kGravity_m_s2, 0.0, 1.0);
+}
+
+void Plant::feel_edge(double dt_s) {
+  if (!edge_) return;
+  edge_force_ = {};
+  const double weight_n = params_.mass_kg * kGravity_m_s2 + carried_n_;
+  std::array<double, 4> height_m{};
+  for (std::size_t i = 0; i < height_m.size(); ++i)
+    feel_wheel_on_edge(i, 0.5 * weight_n * (i < 2 ? params_.driven_load_norm : 1.0 - params_.driven_load_norm), height_m, dt_s);
+  const double axle_m = (height_m[0] + height_m[1]) / 2.0, casters_m = (height_m[2] + height_m[3]) / 2.0;
+  edge_pitch_rad_ = (axle_m - casters_m) / params_.caster_ahead_m;
+  edge_roll_rad_ = (height_m[0] - height_m[1]) / params_.track_width_m;
+  edge_height_m_ = axle_m;
+  const auto [lowest, highest] = std::minmax_element(height_m.begin(), height_m.end());
+  on_edge_ = *highest > *lowest || edge_force_.forward_n != 0.0;
+  if (edge_goes_ && !on_edge_) level_floor();
+}
+
+// From here on the floor is level, at the height at which the hoist stands.
+void Plant::level_floor() {
+  edge_.reset();
+  height_m_ -= edge_height_m_;
+  edge_height_m_ = edge_pitch_rad_ = edge_roll_rad_ = 0.0;
+  edge_force_ = {};
+  bounce_s_ = drop_m_s_ = {};
+  pressed_norm_ = {1.0, 1.0};
+}
+
 double Plant::floor_pitch_rad() const { return floor_rad_ * std::cos(downhill_rad_ - platform_.psi_rad); }
 double Plant::floor_roll_rad() const { return -floor_rad_ * std::sin(downhill_rad_ - platform_.psi_rad); }
 
@@ -240,12 +301,14 @@ void Plant::lean_chassis(double forward_n, double dt_s) {
   floor_rad_ += clamp_abs(floor_goal_rad_ - floor_rad_, kFloorTilting_rad_s * dt_s);
   const double keep = dt_s / params_.pitch_lag_s;
   const double pitch_goal_rad =
-      -params_.pitch_rad_per_m_s2 * platform_.acceleration_m_s2 + params_.pitch_rad_per_n * forward_n + floor_pitch_rad();
-  const double roll_goal_rad = params_.pitch_rad_per_m_s2 * platform_.speed_m_s * platform_.yaw_rate_rad_s + floor_roll_rad();
+      -params_.pitch_rad_per_m_s2 * platform_.acceleration_m_s2 + params_.pitch_rad_per_n * forward_n + floor_pitch_rad() + edge_pitch_rad_;
+  const double roll_goal_rad = params_.pitch_rad_per_m_s2 * platform_.speed_m_s * platform_.yaw_rate_rad_s + floor_roll_rad() + edge_roll_rad_;
   pitch_rate_rad_s_ = (pitch_goal_rad - pitch_rad_) / params_.pitch_lag_s;
   roll_rate_rad_s_ = (roll_goal_rad - roll_rad_) / params_.pitch_lag_s;
   pitch_rad_ += keep * (pitch_goal_rad - pitch_rad_);
   roll_rad_ += keep * (roll_goal_rad - roll_rad_);
+  height_rate_m_s_ = (edge_height_m_ - height_m_) / params_.pitch_lag_s;
+  height_m_ += dt_s * height_rate_m_s_;
 }
 
 void Plant::step(const HarnessMotion& harness, double dt_s) {
@@ -276,6 +339,9 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     push.turn_n_m += shove_n_m_;
     double forward_n = push.forward_n + (params_.mass_kg * kGravity_m_s2 + carried_n_) * std::sin(floor_pitch_rad());
     feel_obstacles(forward_n);
+    feel_edge(h_s);
+    forward_n += edge_force_.forward_n;
+    push.turn_n_m += edge_force_.turn_n_m;
     const double speed_before_m_s = platform_.speed_m_s;
     const double turn_before_rad_s = platform_.yaw_rate_rad_s;
     if (bridge_enabled(Side::left) || bridge_enabled(Side::right) || runs_by_itself()) push_left_s_ = 0.0;
@@ -299,7 +365,8 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
 
 Plant::Vector Plant::sensor_velocity(Place place) const {
   if (place == Place::chassis) {
-    return {platform_.speed_m_s + pitch_rate_rad_s_ * params_.sensor_base_height_m, -roll_rate_rad_s_ * params_.sensor_base_height_m, 0.0};
+    return {platform_.speed_m_s + pitch_rate_rad_s_ * params_.sensor_base_height_m, -roll_rate_rad_s_ * params_.sensor_base_height_m,
+            height_rate_m_s_};
   }
   const Side side = place == Place::left_strut ? Side::left : Side::right;
   const double up = params_.sensor_height_m / params_.strut_length_m;
@@ -307,7 +374,7 @@ Plant::Vector Plant::sensor_velocity(Place place) const {
   return {platform_.speed_m_s - platform_.yaw_rate_rad_s * (beside_m + up * harness_.dy_m) + up * strut_forward_rate_m_s(side) +
               pitch_rate_rad_s_ * params_.sensor_height_m,
           platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * harness_.dy_rate_m_s - roll_rate_rad_s_ * params_.sensor_height_m,
-          0.0};
+          height_rate_m_s_};
 }
 
 ImuReading Plant::read_imu(Place sensor) {
@@ -323,6 +390,7 @@ ImuReading Plant::read_imu(Place sensor) {
     const double vy = 0.5 * (velocity.y + memory.velocity_m_s.y);
     acceleration.x = (velocity.x - memory.velocity_m_s.x) / age_s - platform_.yaw_rate_rad_s * vy;
     acceleration.y = (velocity.y - memory.velocity_m_s.y) / age_s + platform_.yaw_rate_rad_s * vx;
+    acceleration.z = (velocity.z - memory.velocity_m_s.z) / age_s;
   }
   memory = {velocity, time_s_};
 
@@ -353,9 +421,9 @@ ImuReading Plant::read_imu(Place sensor) {
   const auto along = [](const Vector& axis, double x, double y, double z) { return axis.x * x + axis.y * y + axis.z * z; };
 
   ImuReading truth;
-  truth.ax_m_s2 = along(x_axis, acceleration.x, acceleration.y, kGravity_m_s2);
-  truth.ay_m_s2 = along(y_axis, acceleration.x, acceleration.y, kGravity_m_s2);
-  truth.az_m_s2 = along(z_axis, acceleration.x, acceleration.y, kGravity_m_s2);
+  truth.ax_m_s2 = along(x_axis, acceleration.x, acceleration.y, kGravity_m_s2 + acceleration.z);
+  truth.ay_m_s2 = along(y_axis, acceleration.x, acceleration.y, kGravity_m_s2 + acceleration.z);
+  truth.az_m_s2 = along(z_axis, acceleration.x, acceleration.y, kGravity_m_s2 + acceleration.z);
   // A strut that leans turns part of the platform's yaw into its own pitch and roll: the filter must live with that.
   truth.alpha_rate_rad_s = along(y_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.beta_rate_rad_s = along(x_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "firmware/sim/battery.hpp"
+#include "firmware/sim/floor_edge.hpp"
 #include "firmware/sim/imu.hpp"
 #include "firmware/sim/model.hpp"
 #include "firmware/sim/motor.hpp"
@@ -33,6 +34,8 @@ struct PlantParams {
   double mass_kg{60.0};           ///< chassis, batteries, struts; THERA-Trainer e-go class (assumed)
   double yaw_inertia_kg_m2{8.0};  ///< 60 kg spread over 0.9 x 0.8 m (assumed)
   double wheel_inertia_kg_m2{0.01};
+  double caster_ahead_m{0.5};           ///< of the driven axle, two of them, as far apart as the wheels (assumed)
+  double caster_radius_m{0.05};         ///< assumed
   double rolling_n{3.0};                ///< rolling resistance, each side
   double grip_norm{0.7};                ///< rubber on linoleum
   double driven_load_norm{0.7};         ///< share of the weight on the two driven wheels; the casters carry the rest
@@ -115,6 +118,15 @@ class Plant {
   /// From now on the floor falls by slope_rad toward downhill_rad (a heading), everywhere: as when all wheels have rolled onto a ramp, with
   /// the second or so that this takes. It leans the machine and draws it downhill. Not finite or steeper than 30 degrees: no change.
   void tilt_floor(double slope_rad, double downhill_rad);
+  /// A sill or a step, one at a time: false while a wheel is on one, and for one that is no sill of 1 to 40 mm nor a step down of that.
+  [[nodiscard]] bool lay_edge(const FloorEdge& edge);
+  /// Takes it away as soon as all wheels stand equally high.
+  void take_edge() { edge_goes_ = true; }
+  /// A wheel or caster is neither as high as the floor was nor as low as all others.
+  [[nodiscard]] bool on_edge() const { return on_edge_; }
+  /// What the edge pushes on the platform: back where a wheel climbs, on where it drops.
+  [[nodiscard]] HarnessForce edge_force() const { return edge_force_; }
+  [[nodiscard]] double edge_pitch_rad() const { return edge_pitch_rad_; }
   [[nodiscard]] double floor_slope_rad() const { return floor_rad_; }
   /// True lean of the chassis, forward and to the right, rad.
   [[nodiscard]] double chassis_alpha_rad() const { return pitch_rad_; }
@@ -190,6 +202,9 @@ class Plant {
   [[nodiscard]] double friction_n_m(Side side) const;
   [[nodiscard]] double grip_n(Side side) const;
   void feel_obstacles(double& forward_n);
+  void feel_edge(double dt_s);
+  void level_floor();
+  void feel_wheel_on_edge(std::size_t i, double weight_n, std::array<double, 4>& height_m, double dt_s);
   void lean_chassis(double forward_n, double dt_s);
   void step_pushed(double dt_s);
   /// Motor turns for each turn of a wheel of the mean radius: a larger wheel goes further for the same turn of its motor.
@@ -220,6 +235,14 @@ class Plant {
   double floor_rad_{};  // slope of the floor, ramping to floor_goal_rad_
   double floor_goal_rad_{};
   double downhill_rad_{};
+  std::optional<FloorEdge> edge_;
+  bool edge_goes_{false}, on_edge_{false};
+  HarnessForce edge_force_{};
+  double edge_pitch_rad_{}, edge_roll_rad_{}, edge_height_m_{};
+  std::array<double, 2> drop_m_s_{};                // of a driven wheel that rolls down an edge
+  std::array<double, 2> bounce_s_{};                // off the floor for so long
+  std::array<double, 2> pressed_norm_{1.0, 1.0};  // what presses a driven wheel to the floor, of its weight
+  double height_m_{}, height_rate_m_s_{};           // of the chassis
   double shove_n_{};
   double shove_n_m_{};
   double pitch_rad_{};

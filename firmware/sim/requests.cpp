@@ -284,6 +284,28 @@ Answer op_floor(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
+// Laid just ahead of the casters, across the way.
+Answer op_edge(World& world, const json& request, double sign, double length_m) {
+  const auto height_m = number(request, "height_m", 0.001, 0.04);
+  if (!height_m) return Refused{"height_m: 0.001 to 0.04"};
+  const auto which = text(request, "which");
+  const bool left = which == "left" || which == "both", right = which == "right" || which == "both";
+  if (!left && !right) return Refused{"which: left, right or both"};
+  const PlatformMotion& at = world.plant().platform();
+  const double ahead_m = world.plant().params().caster_ahead_m + 0.15;
+  const FloorEdge edge{at.x_m + ahead_m * std::cos(at.psi_rad),
+                       at.y_m + ahead_m * std::sin(at.psi_rad),
+                       at.psi_rad,
+                       sign * *height_m,
+                       length_m,
+                       left,
+                       right};
+  if (!world.plant().lay_edge(edge)) return Refused{"op: a wheel still stands on the one before"};
+  return kDone;
+}
+Answer op_sill(World& world, const ProgramState&, const json& request) { return op_edge(world, request, 1.0, 0.08); }
+Answer op_step_down(World& world, const ProgramState&, const json& request) { return op_edge(world, request, -1.0, 0.0); }
+
 Answer op_pokeys(World&, const ProgramState& program, const json& request) {
   if (program.pokeys == nullptr) return Refused{"op: there is no PoKeys; start with --pokeys-udp"};
   const auto silent = flag(request, "silent");
@@ -388,6 +410,8 @@ constexpr std::array kOperations{
     Operation{"configuration_switch", "on: the switch that allows the first set-up of accounts", op_configuration_switch},
     Operation{"sync_input", "on: the line of another recording system, such as a motion capture", op_sync_input},
     Operation{"floor", "slope_rad, downhill_rad: the floor is a ramp that falls in that heading", op_floor},
+    Operation{"sill", "height_m, which (left, right, both wheels): a door sill just ahead, instead of the one before", op_sill},
+    Operation{"step_down", "height_m, which as in sill: a step down just ahead", op_step_down},
     Operation{"pokeys", "silent: the PoKeys on the network does not answer", op_pokeys},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
     Operation{"bar", "dx_m, yaw_rad: the patient leaves, the bar is held there by hand; zeros release it", op_bar},

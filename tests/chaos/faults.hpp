@@ -74,6 +74,8 @@ enum class Kind : std::uint8_t {
   held,
   battery_full,
   bridges_shorted,
+  sill,
+  step_down,
   count
 };
 
@@ -149,6 +151,8 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::held, "held", Target::nothing, false, false},
     KindInfo{Kind::battery_full, "battery_full", Target::nothing, false, false},
     KindInfo{Kind::bridges_shorted, "bridges_shorted", Target::nothing, false, false},
+    KindInfo{Kind::sill, "sill", Target::nothing, false, false},
+    KindInfo{Kind::step_down, "step_down", Target::nothing, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {
@@ -166,8 +170,10 @@ struct Fault {
 
 /// Kinds from here on are drawn from a stream of their own: the rest of a seed's plan is what it was without them.
 inline constexpr Kind kFirstLater = Kind::fall_aside;
+/// And from here on from a third one.
+inline constexpr Kind kFirstPart = Kind::sill;
 
-/// Up to `most` faults of one session, by its seed, and one more of the later kinds. `outside_only`: only faults that must not affect walking that
+/// Up to `most` faults of one session, by its seed, and one more of each later group of kinds. `outside_only`: only faults that must not affect walking that
 /// a patient leads.
 [[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
 

@@ -239,6 +239,23 @@ class Session {
     return duty_norm * way * ((which & 4) != 0 && side == sim::Side::right ? -1.0 : 1.0);
   }
 
+  // Just ahead of the casters, or behind the wheels of a hoist that rolls back; both wheels, the left or the right; up to 14 degrees askew.
+  void lay_edge(const Fault& f) {
+    const sim::PlatformMotion& at = loop_.world().plant().platform();
+    const bool sill = f.kind == Kind::sill;
+    const int which = std::min(static_cast<int>(f.size * 3.0), 2);
+    const double share = f.size * 3.0 - which;
+    const bool back = at.speed_m_s < -0.02;
+    const double ahead_m = back ? -0.12 : 0.65;
+    sim::FloorEdge edge{at.x_m + ahead_m * std::cos(at.psi_rad), at.y_m + ahead_m * std::sin(at.psi_rad),
+                        at.psi_rad + (back ? sim::kPi : 0.0) + (share - 0.5) * 0.5};
+    edge.height_m = sill ? 0.004 + 0.016 * share : -(0.005 + 0.025 * share);
+    edge.length_m = sill ? 0.03 + 0.12 * (1.0 - share) : 0.0;
+    edge.left = which != 1;
+    edge.right = which != 2;
+    (void)loop_.world().plant().lay_edge(edge);
+  }
+
   void apply(Planned& row, bool on) {
     const Fault& f = row.fault;
     sim::World& world = loop_.world();
@@ -363,6 +380,10 @@ class Session {
       case Kind::slope:
         // Up to 10 degrees in any direction; limited in time, so that the hoist can return to level floor.
         world.plant().tilt_floor(on ? 0.17 * f.size : 0.0, 40.0 * f.size);
+        break;
+      case Kind::sill:
+      case Kind::step_down:
+        on ? lay_edge(f) : world.plant().take_edge();
         break;
       case Kind::pelvis_turned:
         on ? world.patient().hold_turn((f.size - 0.5) * 1.2) : world.patient().release_turn();

@@ -159,6 +159,8 @@ constexpr std::array kJudged{
     Judged{Kind::held, "beside its command; rest"},
     Judged{Kind::battery_full, "over voltage"},
     Judged{Kind::bridges_shorted, "runaway; beside its command"},
+    Judged{Kind::sill, "nothing of its own: every rule as without"},
+    Judged{Kind::step_down, "nothing of its own: every rule as without"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)

@@ -32,10 +32,12 @@ const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan)
   t.chassis_right_rad = plant.chassis_beta_rad();
   t.chassis_rad = std::hypot(t.chassis_forward_rad, t.chassis_right_rad);
   const sim::HarnessForce push = plant.harness_force(patient.harness());
-  const double downhill_n = (machine.mass_kg * kGravity_m_s2 + patient.carried_n()) * std::sin(t.chassis_forward_rad);
+  const double downhill_n = (machine.mass_kg * kGravity_m_s2 + patient.carried_n()) * std::sin(t.chassis_forward_rad - plant.edge_pitch_rad());
   const sim::HarnessForce hands = plant.shove();
-  const double ahead_n = push.forward_n + hands.forward_n + downhill_n;
-  const double twist_n = (push.turn_n_m + hands.turn_n_m) / machine.track_width_m;
+  const sim::HarnessForce edge = plant.edge_force();
+  t.on_edge = plant.on_edge();
+  const double ahead_n = push.forward_n + hands.forward_n + downhill_n + edge.forward_n;
+  const double twist_n = (push.turn_n_m + hands.turn_n_m + edge.turn_n_m) / machine.track_width_m;
   t.push_n = {ahead_n / 2.0 - twist_n, ahead_n / 2.0 + twist_n};
   t.hardest_n = std::max(std::fabs(t.push_n[0]), std::fabs(t.push_n[1]));
   t.touches = plant.bumpers() != 0 && !pressed_by_plan;

@@ -19,10 +19,11 @@ struct Truth {
   double side_m = 0;       // of the bar, to the left
   double chassis_rad = 0;  // lean of the chassis in any direction
   double chassis_forward_rad = 0, chassis_right_rad = 0;
-  // What pushes each wheel along the floor from outside: body, stops, hands, slope. Newtons, forward positive.
+  // What pushes each wheel along the floor from outside: body, stops, hands, slope, edges of the floor. Newtons, forward positive.
   std::array<double, 2> push_n{};
   double hardest_n = 0;  // of the two, without sign
   bool touches = false;  // a post pushes at the frame
+  bool on_edge = false;  // of a sill or a step
 };
 
 class TruthSampler {

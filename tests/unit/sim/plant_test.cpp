@@ -287,6 +287,52 @@ TEST(Plant, ForcedBumpersAndRefusedObstacles) {
   EXPECT_FALSE(plant.add_obstacle({50.0, 50.0, 0.1}));
 }
 
+TEST(Plant, ASillIsClimbedByItsHeightAndGivesItBack) {
+  Plant plant({}, 1);
+  const double height_m = 0.015;
+  EXPECT_FALSE(plant.lay_edge({0.6, 0.0, 0.0, 0.05, 0.1}));
+  EXPECT_FALSE(plant.lay_edge({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0, height_m, 0.1}));
+  ASSERT_TRUE(plant.lay_edge({0.6, 0.0, 0.0, height_m, 0.1}));
+  enable(plant, 0.5, 0.5);
+  double most_rad = 0.0, least_rad = 0.0, work_j = 0.0, highest_j = 0.0, hardest_n = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    plant.step({}, kTick_s);
+    most_rad = std::max(most_rad, plant.chassis_alpha_rad());
+    least_rad = std::min(least_rad, plant.chassis_alpha_rad());
+    if (plant.on_edge() && i % 50 == 0) {
+      EXPECT_FALSE(plant.lay_edge({5.0, 0.0, 0.0, height_m, 0.1}));
+    }
+    work_j -= plant.edge_force().forward_n * plant.platform().speed_m_s * kTick_s;
+    highest_j = std::max(highest_j, work_j);
+    hardest_n = std::max(hardest_n, std::fabs(plant.edge_force().forward_n));
+  }
+  EXPECT_GT(plant.platform().x_m, 0.8) << "the motors take it";
+  EXPECT_FALSE(plant.on_edge());
+  // 15 mm on 0.5 m, with the chassis' own lag; the casters first.
+  EXPECT_NEAR(least_rad, -height_m / 0.5, 0.006);
+  EXPECT_NEAR(most_rad, height_m / 0.5, 0.006);
+  // The wheels bear seven tenths of 60 kg: m g h, less a tenth at the tyre, and the same back.
+  EXPECT_NEAR(highest_j, 0.7 * 60.0 * kGravity_m_s2 * height_m, 0.7);
+  EXPECT_NEAR(work_j, 0.0, 0.3);
+  // The steepest piece of a wheel of 100 mm: 53 mm over 85.
+  EXPECT_NEAR(hardest_n, 0.7 * 60.0 * kGravity_m_s2 * 0.62, 40.0);
+}
+
+TEST(Plant, AWheelThatDropsOverAnEdgeRollsTheChassisAndLosesItsGripForAMoment) {
+  Plant plant({}, 1);
+  ASSERT_TRUE(plant.lay_edge({0.6, 0.0, 0.0, -0.03, 0.0, true, false}));
+  enable(plant, 0.5, 0.5);
+  double hardest_left_n_m = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    plant.step({}, kTick_s);
+    hardest_left_n_m = std::min(hardest_left_n_m, plant.edge_force().turn_n_m);
+  }
+  EXPECT_NEAR(plant.chassis_beta_rad(), -0.03 / 0.7, 1e-3) << "left wheel and caster stand lower";
+  EXPECT_NEAR(plant.chassis_alpha_rad(), 0.0, 1e-3);
+  EXPECT_LT(hardest_left_n_m, -30.0) << "the wheel that drops pulls ahead: to the right";
+  EXPECT_TRUE(plant.on_edge());
+}
+
 TEST(Plant, ARampLeansAllSensorsAlikeAndDrawsDownhill) {
   Plant plant({}, 1);
   plant.tilt_floor(6.0 * kDegree_rad, kPi);  // falls behind the machine
