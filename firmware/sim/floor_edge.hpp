@@ -8,8 +8,8 @@ namespace hoist::sim {
 /// Lies across the heading `psi_rad`, from this point on. Thresholds may be 20 mm high (DIN 18040-1, 4.3.3.1), dropped kerbs 30 mm (DIN 18040-3).
 struct FloorEdge {
   double x_m{}, y_m{}, psi_rad{};
-  double height_m{};  ///< above zero a sill, below zero a step down
-  double length_m{};  ///< of a sill, along the heading
+  double height_m{};             ///< above zero a sill, below zero a step down
+  double length_m{};             ///< of a sill, along the heading
   bool left{true}, right{true};  ///< of the line along the heading through the point
 };
 

@@ -128,7 +128,8 @@ double Plant::friction_n_m(Side side) const {
 }
 
 double Plant::grip_n(Side side) const {
-  return pressed_norm_[index(side)] * grip_norm_[index(side)] * 0.5 * params_.driven_load_norm * (params_.mass_kg * kGravity_m_s2 + carried_n_);
+  return pressed_norm_[index(side)] * grip_norm_[index(side)] * 0.5 * params_.driven_load_norm *
+         (params_.mass_kg * kGravity_m_s2 + carried_n_);
 }
 
 void Plant::step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {
@@ -302,7 +303,8 @@ void Plant::lean_chassis(double forward_n, double dt_s) {
   const double keep = dt_s / params_.pitch_lag_s;
   const double pitch_goal_rad =
       -params_.pitch_rad_per_m_s2 * platform_.acceleration_m_s2 + params_.pitch_rad_per_n * forward_n + floor_pitch_rad() + edge_pitch_rad_;
-  const double roll_goal_rad = params_.pitch_rad_per_m_s2 * platform_.speed_m_s * platform_.yaw_rate_rad_s + floor_roll_rad() + edge_roll_rad_;
+  const double roll_goal_rad =
+      params_.pitch_rad_per_m_s2 * platform_.speed_m_s * platform_.yaw_rate_rad_s + floor_roll_rad() + edge_roll_rad_;
   pitch_rate_rad_s_ = (pitch_goal_rad - pitch_rad_) / params_.pitch_lag_s;
   roll_rate_rad_s_ = (roll_goal_rad - roll_rad_) / params_.pitch_lag_s;
   pitch_rad_ += keep * (pitch_goal_rad - pitch_rad_);

@@ -239,10 +239,10 @@ class Plant {
   bool edge_goes_{false}, on_edge_{false};
   HarnessForce edge_force_{};
   double edge_pitch_rad_{}, edge_roll_rad_{}, edge_height_m_{};
-  std::array<double, 2> drop_m_s_{};                // of a driven wheel that rolls down an edge
-  std::array<double, 2> bounce_s_{};                // off the floor for so long
+  std::array<double, 2> drop_m_s_{};              // of a driven wheel that rolls down an edge
+  std::array<double, 2> bounce_s_{};              // off the floor for so long
   std::array<double, 2> pressed_norm_{1.0, 1.0};  // what presses a driven wheel to the floor, of its weight
-  double height_m_{}, height_rate_m_s_{};           // of the chassis
+  double height_m_{}, height_rate_m_s_{};         // of the chassis
   double shove_n_{};
   double shove_n_m_{};
   double pitch_rad_{};

@@ -181,6 +181,17 @@ Answer op_plug(World& world, const json& request, bool pulled) {
 Answer op_unplug(World& world, const ProgramState&, const json& request) { return op_plug(world, request, true); }
 Answer op_replug(World& world, const ProgramState&, const json& request) { return op_plug(world, request, false); }
 
+Answer op_exchange(World& world, const ProgramState&, const json& request) {
+  const auto which = node(request);
+  if (!which || *which == Node::core) return bad_node();
+  constexpr std::array<std::string_view, 3> kHow{"right", "reversed", "swapped"};  // order of Assembly
+  const auto how = text(request, "how");
+  const auto row = std::find_if(kHow.begin(), kHow.end(), [&how](std::string_view name) { return how && name == *how; });
+  if (row == kHow.end()) return Refused{"how: right, reversed or swapped"};
+  world.exchange(*which, 0, static_cast<World::Assembly>(row - kHow.begin()));
+  return kDone;
+}
+
 Answer op_freeze(World& world, const ProgramState&, const json& request) {
   const auto which = node(request);
   if (!which || *which == Node::core) return bad_node();
@@ -399,6 +410,8 @@ constexpr std::array kOperations{
     Operation{"freeze_feet", "seconds: the patient's feet stick to the floor for this long", op_freeze_feet},
     Operation{"unplug", "node: its plug is pulled", op_unplug},
     Operation{"replug", "node: its plug is back", op_replug},
+    Operation{"exchange", "node, how (right, reversed, swapped): another part is fitted, with signs or sides that may be wrong",
+              op_exchange},
     Operation{"freeze", "node, frozen: its processor stops", op_freeze},
     Operation{"freeze_sensor", "node, frozen: its sensor repeats the last sample", op_freeze_sensor},
     Operation{"slip", "which (left, right, both), seconds, grip_norm, twist_n_m: wheels lose grip while the frame is twisted", op_slip},

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "firmware/boards/host/host_boards.hpp"
@@ -38,6 +39,14 @@ class Machine {
  public:
   explicit Machine(Plant& plant) : plant_(plant) {}
 
+  /// The drives' plugs are swapped, or motor and encoder of one are wired the other way round. Both bridges are switched off.
+  void wire_drives(bool swapped, std::optional<Side> mirrored) {
+    for (const Side side : {Side::left, Side::right}) plant_.set_bridge(side, false, 0.0);
+    swapped_ = swapped;
+    mirrored_ = {mirrored == Side::left, mirrored == Side::right};
+    for (const Node drive : {Node::drive_left, Node::drive_right})
+      encoders_[static_cast<std::size_t>(side_of(drive))].raw = plant_.encoder_counts(wheel_of(drive));
+  }
   bool read_imu(Node node, firmware::ImuSample& sample) {
     const auto place = place_of(node);
     firmware::ImuSample& last = last_sample_[static_cast<std::size_t>(place)];
@@ -54,17 +63,17 @@ class Machine {
   }
   std::int32_t encoder_counts(Node node) {
     Encoder& encoder = encoders_[static_cast<std::size_t>(side_of(node))];
-    const std::int32_t raw = plant_.encoder_counts(side_of(node));
+    const std::int32_t raw = plant_.encoder_counts(wheel_of(node));
     const auto moved = static_cast<std::uint32_t>(raw) - static_cast<std::uint32_t>(encoder.raw);
     encoder.raw = raw;
     if (encoder.fault != World::EncoderFault::lost && moved != 0) note_edges(encoder, static_cast<std::int32_t>(moved), node);
-    if (encoder.fault == World::EncoderFault::none) encoder.shown += moved;
-    if (encoder.fault == World::EncoderFault::reversed) encoder.shown -= moved;
+    const bool back = (encoder.fault == World::EncoderFault::reversed) != mirrored(node);
+    if (encoder.fault != World::EncoderFault::lost) encoder.shown = back ? encoder.shown - moved : encoder.shown + moved;
     return static_cast<std::int32_t>(encoder.shown);
   }
   // The time between the last two edges, as a timer on the encoder's lines would show it.
   std::uint32_t edge_time_us(Node node) { return encoders_[static_cast<std::size_t>(side_of(node))].edge_us; }
-  float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(side_of(node))); }
+  float motor_current_a(Node node) { return static_cast<float>(plant_.motor_current_a(wheel_of(node))) * (mirrored(node) ? -1.0F : 1.0F); }
   float supply_v() { return static_cast<float>(plant_.supply_v()); }
   void set_outputs(std::uint8_t outputs) { outputs_ = outputs; }
   // The relay's circuit reads the input node's output line.
@@ -75,7 +84,9 @@ class Machine {
   [[nodiscard]] const MotorRelay& relay() const { return relay_; }
   [[nodiscard]] std::uint8_t outputs() const { return outputs_; }
   [[nodiscard]] bool sync_output() const { return (outputs_ & contract::canopen::kSyncOutput) != 0; }
-  void set_bridge(Node node, bool enabled, float duty_norm) { plant_.set_bridge(side_of(node), enabled, static_cast<double>(duty_norm)); }
+  void set_bridge(Node node, bool enabled, float duty_norm) {
+    plant_.set_bridge(wheel_of(node), enabled, static_cast<double>(mirrored(node) ? -duty_norm : duty_norm));
+  }
   std::uint8_t bumpers() { return plant_.bumpers(); }
   std::uint8_t switches() { return plant_.switches(); }
   float battery_v(int battery) { return static_cast<float>(plant_.battery_v(battery)); }
@@ -87,6 +98,8 @@ class Machine {
   void break_encoder(Node node, World::EncoderFault fault) { encoders_[static_cast<std::size_t>(side_of(node))].fault = fault; }
 
  private:
+  [[nodiscard]] Side wheel_of(Node node) const { return (side_of(node) == Side::left) != swapped_ ? Side::left : Side::right; }
+  [[nodiscard]] bool mirrored(Node node) const { return mirrored_[static_cast<std::size_t>(side_of(node))]; }
   struct Encoder {
     std::int32_t raw{};
     std::uint32_t shown{};
@@ -125,8 +138,8 @@ class Machine {
   // Edges of a perfect encoder: evenly spaced at the shaft's speed. After a change of direction one more is needed.
   void note_edges(Encoder& encoder, std::int32_t moved, Node node) {
     const PlantParams& params = plant_.params();
-    const double shaft_rad_s = std::fabs(plant_.wheel_speed_m_s(side_of(node))) / params.wheel_radius_m * params.gear_ratio /
-                               params.wheel_norm[static_cast<std::size_t>(side_of(node))];
+    const double shaft_rad_s = std::fabs(plant_.wheel_speed_m_s(wheel_of(node))) / params.wheel_radius_m * params.gear_ratio /
+                               params.wheel_norm[static_cast<std::size_t>(wheel_of(node))];
     const double edge_us = 1e6 * kTurn_rad / (params.motor.counts_per_turn * shaft_rad_s);
     const bool turned = (moved > 0) != (encoder.last_step > 0);
     const bool known = (!turned || moved > 1 || moved < -1) && edge_us < 4e9;
@@ -142,6 +155,8 @@ class Machine {
   std::array<Ailment, kPlaceCount> ailments_{};
   Random noise_{0x6A09E667F3BCC908ULL};  // random readings
   std::array<Encoder, 2> encoders_{};
+  bool swapped_{false};
+  std::array<bool, 2> mirrored_{};
 };
 
 using TiltBoard = firmware::HostTiltBoard<Machine>;
@@ -192,6 +207,8 @@ struct World::Parts {
     bus.set_connected(host_port, in_process);
     bus.set_connected(foreign_port, false);
     core_port = in_process ? host_port : gateway_board.port();
+    for (std::size_t i = 0; options.numbered && i < contract::kRemoteNodeCount; ++i)
+      power_on(static_cast<Node>(i), World::first_serial(static_cast<Node>(i)));
     set_out();
   }
 
@@ -200,50 +217,46 @@ struct World::Parts {
     plant.place(start.x_m, start.y_m, start.psi_rad);
   }
 
-  // Calls `what` with the firmware of a node of the bus.
-  template <class What>
-  void with_node(Node node, What&& what) {
+  template <class Self, class What>
+  static void with_box_of(Self& self, Node node, What&& what) {
     switch (node) {
       case Node::drive_left:
-        what(drive_left.firmware);
+        what(self.drive_left);
         break;
       case Node::drive_right:
-        what(drive_right.firmware);
+        what(self.drive_right);
         break;
       case Node::io:
-        what(io.firmware);
+        what(self.io);
         break;
       case Node::tilt_left:
-        what(tilt_left.firmware);
+        what(self.tilt_left);
         break;
       case Node::tilt_right:
-        what(tilt_right.firmware);
+        what(self.tilt_right);
         break;
       case Node::tilt_base:
-        what(tilt_base.firmware);
+        what(self.tilt_base);
         break;
       case Node::core:
         break;
     }
   }
+  // Calls `what` with the firmware of a node of the bus.
+  template <class What>
+  void with_node(Node node, What&& what) {
+    with_box_of(*this, node, [&what](auto& box) { what(box.firmware); });
+  }
   [[nodiscard]] std::size_t port_of(Node node) const {
-    switch (node) {
-      case Node::drive_left:
-        return drive_left.board.port();
-      case Node::drive_right:
-        return drive_right.board.port();
-      case Node::io:
-        return io.board.port();
-      case Node::tilt_left:
-        return tilt_left.board.port();
-      case Node::tilt_right:
-        return tilt_right.board.port();
-      case Node::tilt_base:
-        return tilt_base.board.port();
-      case Node::core:
-        return core_port;
-    }
-    return bus::kVirtualPortMax;
+    std::size_t port = node == Node::core ? core_port : bus::kVirtualPortMax;
+    with_box_of(*this, node, [&port](const auto& box) { port = box.board.port(); });
+    return port;
+  }
+  void power_on(Node node, std::uint32_t serial) {
+    with_box_of(*this, node, [serial](auto& box) {
+      box.board.set_serial_number(serial);
+      box.firmware.power_on();
+    });
   }
   [[nodiscard]] bool runs(Node node) const { return !frozen[index(node)] && !(pulled[index(node)] && fed_by_its_plug(node)); }
 
@@ -363,6 +376,32 @@ void World::unplug(Node node, bool pulled) {
   if (!pulled && fed_by_its_plug(node)) p.with_node(node, [](auto& firmware) { firmware.power_on(); });
 }
 bool World::unplugged(Node node) const { return parts_->pulled[index(node)]; }
+
+void World::exchange(Node node, std::uint32_t serial, Assembly how) {
+  Parts& p = *parts_;
+  const bool wrong = how != Assembly::right;
+  switch (contract::kNodes[index(node)].kind) {
+    case contract::NodeKind::tilt:
+      if (how == Assembly::swapped && node != Node::tilt_base) {
+        p.plant.screw_sensor(Place::left_strut, Place::right_strut, false);
+        p.plant.screw_sensor(Place::right_strut, Place::left_strut, false);
+      } else {
+        for (const Node each : {Node::tilt_left, Node::tilt_right, Node::tilt_base})
+          p.plant.screw_sensor(place_of(each), place_of(each), wrong && each == node);
+      }
+      break;
+    case contract::NodeKind::drive:
+      p.machine.wire_drives(how == Assembly::swapped, how == Assembly::reversed ? std::optional(side_of(node)) : std::nullopt);
+      break;
+    case contract::NodeKind::io:
+      p.plant.wire_bumper(0, wrong ? 1 : 0);
+      p.plant.wire_bumper(1, wrong ? 0 : 1);
+      break;
+    default:
+      return;
+  }
+  p.power_on(node, serial);
+}
 
 void World::freeze(Node node, bool frozen) {
   Parts& p = *parts_;

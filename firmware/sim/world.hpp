@@ -29,6 +29,7 @@ struct WorldOptions {
   PatientParams patient{};
   const Scenario* scenario{&kScenarios.front()};
   bool host_in_process{false};  ///< true: the computer is the port of host_send / host_receive; false: it is behind the gateway
+  bool numbered{false};         ///< nodes have serial numbers and do not say that they are simulated, so their parts must have been checked
   bool worst_stuffing{false};   ///< true: every frame as long as bit stuffing can make it
 };
 
@@ -69,6 +70,13 @@ class World {
   /// The encoder of a drive gives no more counts, or counts backward.
   enum class EncoderFault : std::uint8_t { none, lost, reversed };
   void break_encoder(contract::Node node, EncoderFault fault);
+  /// A node with this serial number is fitted instead (0: it says that it is simulated), and starts. reversed: a tilt sensor sits half a turn
+  /// about its strut, a drive's motor and encoder are both wired the other way round; swapped: with its twin of the other side. Of the input node
+  /// both: the bumpers in front and behind. right: all parts of its kind are where they belong.
+  enum class Assembly : std::uint8_t { right, reversed, swapped };
+  void exchange(contract::Node node, std::uint32_t serial, Assembly how);
+  /// Number of a node of a numbered hoist, as it is built.
+  static constexpr std::uint32_t first_serial(contract::Node node) { return 0x10000001U + static_cast<std::uint32_t>(node); }
   /// Wheels lose the floor from now on, for a moment.
   void slip(const SlipBurst& burst);
   /// Hook for each frame on the bus (drop, corrupt, delay, deaf ports); an empty one removes it.

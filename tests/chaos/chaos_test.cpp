@@ -265,6 +265,7 @@ TEST(ChaosBites, I7AStartThatSomethingBars) {
       {{Kind::unplug, contract::Node::tilt_left, 20.0, 24.0, 0.5}, "without one of the nodes"},
       {{Kind::sensor_silent, contract::Node::tilt_base, 20.0, 24.0, 0.5}, "a sensor that knows nothing"},
       {{Kind::battery, contract::Node::io, 20.0, 24.0, 0.1}, "empty batteries"},
+      {{Kind::wrong_part, contract::Node::io, 20.0, 24.0, 0.1}, "never checked"},
   };
   for (const Row& row : rows) {
     SessionOptions options = quiet({});

@@ -76,6 +76,7 @@ enum class Kind : std::uint8_t {
   bridges_shorted,
   sill,
   step_down,
+  wrong_part,
   count
 };
 
@@ -153,6 +154,7 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::bridges_shorted, "bridges_shorted", Target::nothing, false, false},
     KindInfo{Kind::sill, "sill", Target::nothing, false, false},
     KindInfo{Kind::step_down, "step_down", Target::nothing, false, false},
+    KindInfo{Kind::wrong_part, "wrong_part", Target::any_node, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {

@@ -155,8 +155,21 @@ class Session {
     o.world.worst_stuffing = dice.chance(0.5);
     constexpr std::array kCaps{0.2, 0.5, 0.8, 1.0};
     o.params.speed_cap_norm = kCaps[static_cast<std::size_t>(dice.below(4))];
+    if (planned(Kind::wrong_part)) be_a_checked_hoist(o);
     o.through_gateway = dice.chance(0.05) || planned(Kind::serial_noise);
     return o;
+  }
+  // Not a simulator's parts, which need no check, but numbered ones that were checked as they are built.
+  static void be_a_checked_hoist(tests::ClosedLoopOptions& o) {
+    constexpr double kToday_s = 1.8e9;
+    o.world.numbered = true;
+    o.params.calibrated_zero_s = o.params.calibrated_encoders_s = o.params.calibrated_bumpers_s = o.params.calibrated_struts_s = kToday_s;
+    // As the core sums them up (FNV-1a), each byte of each number in its place.
+    std::uint32_t id = 0x811C9DC5U;
+    for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n)
+      for (unsigned shift = 0; shift < 32; shift += 8)
+        id = (id ^ (sim::World::first_serial(static_cast<Node>(n)) >> shift & 0xFFU)) * 0x01000193U;
+    o.params.calibrated_nodes_id = static_cast<double>(id);
   }
   [[nodiscard]] bool planned(Kind kind) const {
     return std::any_of(faults_.begin(), faults_.end(), [kind](const Fault& f) { return f.kind == kind; });
@@ -227,6 +240,8 @@ class Session {
       case Kind::bridge_shorted:
       case Kind::bridges_shorted:
         return 5;
+      case Kind::wrong_part:
+        return 6;
       default:
         return 0;
     }
@@ -384,6 +399,11 @@ class Session {
       case Kind::sill:
       case Kind::step_down:
         on ? lay_edge(f) : world.plant().take_edge();
+        break;
+      case Kind::wrong_part:
+        // Another part, the wrong way round or on the wrong side; then the checked one again, in its place.
+        on ? world.exchange(f.node, ++strange_serial_, f.size < 0.5 ? sim::World::Assembly::reversed : sim::World::Assembly::swapped)
+           : world.exchange(f.node, sim::World::first_serial(f.node), sim::World::Assembly::right);
         break;
       case Kind::pelvis_turned:
         on ? world.patient().hold_turn((f.size - 0.5) * 1.2) : world.patient().release_turn();
@@ -823,6 +843,7 @@ class Session {
   std::vector<contract::DriveCommand> drives_;  // and driven
   std::vector<CanFrame> echoes_;
   std::uint64_t ticks_{};
+  std::uint32_t strange_serial_{0x20000000U};
   double next_s_{}, stick_s_{};
   double stick_speed_norm_{};
   Mode last_mode_{Mode::init};

@@ -26,7 +26,10 @@ class HostCan {
  public:
   explicit HostCan(bus::VirtualBus& bus) : bus_(bus), port_(bus.add_port()) {}
   bool send(const contract::CanFrame& frame) { return bus_.send(port_, frame); }
-  [[nodiscard]] bool simulated() const { return true; }
+  /// A part with a number is as a real one: hoist-control asks whether it was checked. Without one it says that it is simulated.
+  [[nodiscard]] bool simulated() const { return serial_ == 0; }
+  [[nodiscard]] std::uint32_t serial_number() const { return serial_; }
+  void set_serial_number(std::uint32_t serial) { serial_ = serial; }
   /// True when no sent frame still waits for the bus.
   [[nodiscard]] bool sent_all() const { return bus_.waiting(port_) == 0; }
   // The bus in virtual time has no error counters: the health is what a test or a scenario says it is.
@@ -40,6 +43,7 @@ class HostCan {
  private:
   bus::VirtualBus& bus_;
   std::size_t port_;
+  std::uint32_t serial_ = 0;
   CanHealth health_{};
 };
 

@@ -161,6 +161,7 @@ constexpr std::array kJudged{
     Judged{Kind::bridges_shorted, "runaway; beside its command"},
     Judged{Kind::sill, "nothing of its own: every rule as without"},
     Judged{Kind::step_down, "nothing of its own: every rule as without"},
+    Judged{Kind::wrong_part, "silent node; I7: no motion"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)
@@ -329,7 +330,8 @@ void Deadlines::take_bars(const Truth& truth) {
                                         silence,
                                         blind,
                                         battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps,
-                                        turns};
+                                        turns,
+                                        board_.now(Kind::wrong_part)};
   for (std::size_t bar = 0; bar < kBarCount; ++bar) barred_s_[bar] = now[bar] ? barred_s_[bar] + kStep_s : 0;
 }
 
@@ -341,6 +343,7 @@ std::string_view Deadlines::start_barred(Mode to) const {
   if (barred_s_[silent_node] > kKnown_s) return "I7: a start without one of the nodes";
   if (barred_s_[blind_sensor] > kKnown_s) return "I7: a start with a sensor that knows nothing";
   if (barred_s_[no_battery] > kMean_s) return "I7: a start with empty batteries";
+  if (barred_s_[unchecked] > kKnown_s) return "I7: a start with a part that was never checked";
   if (barred_s_[turning] > kKnown_s) return "I7: a start while a wheel turns";
   return {};
 }

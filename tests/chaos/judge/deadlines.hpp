@@ -148,7 +148,7 @@ class Deadlines {
   double follow_s_ = 0;  // how long both drives have followed
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};
-  enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, kBarCount };
+  enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, unchecked, kBarCount };
   std::array<double, kBarCount> barred_s_{};         // how long each has barred a start
   std::array<double, 2> away_s_{}, unfed_left_s_{};  // a wheel that runs away behind a shorted bridge
   contract::Mode mode_{contract::Mode::init};

@@ -32,7 +32,8 @@ const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan)
   t.chassis_right_rad = plant.chassis_beta_rad();
   t.chassis_rad = std::hypot(t.chassis_forward_rad, t.chassis_right_rad);
   const sim::HarnessForce push = plant.harness_force(patient.harness());
-  const double downhill_n = (machine.mass_kg * kGravity_m_s2 + patient.carried_n()) * std::sin(t.chassis_forward_rad - plant.edge_pitch_rad());
+  const double downhill_n =
+      (machine.mass_kg * kGravity_m_s2 + patient.carried_n()) * std::sin(t.chassis_forward_rad - plant.edge_pitch_rad());
   const sim::HarnessForce hands = plant.shove();
   const sim::HarnessForce edge = plant.edge_force();
   t.on_edge = plant.on_edge();

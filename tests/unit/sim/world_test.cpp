@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "control/contract/can_dictionary.hpp"
@@ -41,24 +42,58 @@ TEST(World, AllSixNodesBootAndTalkOnceStarted) {
   EXPECT_EQ(world.bus_counters().tx_refused, 0U);
 }
 
+// A word of a node's identity, 1018h; nothing without an answer.
+std::optional<std::uint32_t> identity(World& world, ScriptedHost& host, Node node, std::uint8_t sub) {
+  const std::uint32_t id = contract::node_id(node);
+  host.keep = true;
+  host.seen.clear();
+  EXPECT_TRUE(world.host_send(contract::canopen::sdo(0x600U + id, contract::canopen::kSdoUploadRequest, 0x1018, sub, 0)));
+  host.run(0.05);
+  for (const contract::CanFrame& frame : host.seen)
+    if (frame.id == 0x580U + id && frame.data[0] == contract::canopen::sdo_upload_reply_command(4))
+      return contract::read_le(&frame.data[4], 4);
+  return std::nullopt;
+}
+
 TEST(World, EveryNodeSaysThatItIsSimulated) {
   World world(in_process());
   ScriptedHost host(world);
   host.run(0.2);
-  host.keep = true;
-  for (const contract::NodeInfo& node : contract::kNodes) {
-    if (node.kind == contract::NodeKind::host) continue;
-    host.seen.clear();
-    ASSERT_TRUE(world.host_send(contract::canopen::sdo(0x600U + node.id, contract::canopen::kSdoUploadRequest, 0x1018, 2, 0)));
-    host.run(0.05);
-    bool answered = false;
-    for (const contract::CanFrame& frame : host.seen) {
-      if (frame.id != 0x580U + node.id) continue;
-      answered = true;
-      EXPECT_EQ(frame.data[0], contract::canopen::sdo_upload_reply_command(4)) << node.name;
-      EXPECT_NE(contract::read_le(&frame.data[4], 4) & contract::canopen::kSimulatedProduct, 0U) << node.name;
-    }
-    EXPECT_TRUE(answered) << node.name;
+  for (std::size_t i = 0; i < contract::kRemoteNodeCount; ++i)
+    EXPECT_NE(identity(world, host, static_cast<Node>(i), 2).value_or(0) & contract::canopen::kSimulatedProduct, 0U) << i;
+}
+
+TEST(World, ANumberedHoistIsOneOfRealPartsAndAnExchangedOneHasAnotherNumber) {
+  WorldOptions options = in_process();
+  options.numbered = true;
+  World world(options);
+  ScriptedHost host(world);
+  host.run(0.2);
+  for (std::size_t i = 0; i < contract::kRemoteNodeCount; ++i) {
+    const auto node = static_cast<Node>(i);
+    EXPECT_EQ(identity(world, host, node, 2).value_or(contract::canopen::kSimulatedProduct) & contract::canopen::kSimulatedProduct, 0U)
+        << i;
+    EXPECT_EQ(identity(world, host, node, 4), World::first_serial(node));
+    world.exchange(node, 77, World::Assembly::right);
+    host.run(0.2);
+    EXPECT_EQ(identity(world, host, node, 4), 77U);
+  }
+}
+
+TEST(World, WronglyFittedDrivesTurnTheWrongWheelOrTheWrongWayAndDoNotKnow) {
+  for (const World::Assembly how : {World::Assembly::reversed, World::Assembly::swapped}) {
+    World world(in_process());
+    ScriptedHost host(world);
+    world.exchange(Node::drive_left, 0, how);
+    host.run(3.0);
+    host.enable();
+    host.left_rad_s = 0.10 / 0.10 * 30.0;
+    host.right_rad_s = 0.20 / 0.10 * 30.0;
+    host.run(2.0);
+    EXPECT_EQ(left_state(host), State::operation_enabled);
+    const bool swapped = how == World::Assembly::swapped;
+    EXPECT_NEAR(world.plant().wheel_speed_m_s(Side::left), swapped ? 0.20 : -0.10, 0.02);
+    EXPECT_NEAR(world.plant().wheel_speed_m_s(Side::right), swapped ? 0.10 : 0.20, 0.02);
   }
 }
 
