@@ -226,6 +226,12 @@ void Patient::decide(const PatientSenses& senses) {
     adapt(kUsualAnswer_per_s2);  // settings may have changed while the drives are off
     return;
   }
+  if (!senses.held) {
+    // Who is not held by anything stands still and lets the hoist go.
+    if (state_ != PatientState::following) enter(PatientState::following);
+    distrusts_ = true;
+    return;
+  }
   switch (state_) {
     case PatientState::standing:
       enter(PatientState::waiting);
@@ -345,7 +351,7 @@ void Patient::think(const PatientSenses& senses) {
     default:
       break;
   }
-  if (frozen()) {
+  if (frozen() || !senses.held) {
     // Feet on the spot: the legs hold the body where it is on the floor, also against the hoist.
     push_goal_m_s_ = compensation_n_ = yaw_goal_rad_ = gait_goal_norm_ = 0.0;
   }

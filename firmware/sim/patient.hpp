@@ -95,6 +95,7 @@ struct PatientSenses {
   PlatformMotion platform;
   HarnessForce springs;  ///< as pushed on the platform; the body feels the opposite
   bool brakes_released{false};
+  bool held{true};  ///< by a strap at least
 };
 
 class Patient {
@@ -136,6 +137,8 @@ class Patient {
   /// Lets a test hold the pelvis turned (rad, left positive) while standing or walking instead of looking at the line.
   void hold_turn(double yaw_rad) { held_turn_rad_ = yaw_rad, holds_turn_ = true; }
   void release_turn() { holds_turn_ = false; }
+  /// Helped back between the struts, standing upright.
+  void stand_in_the_middle() { x_m_ = x_rate_m_s_ = y_m_ = y_rate_m_s_ = yaw_rad_ = yaw_rate_rad_s_ = 0.0; }
   /// Back at the start mark with another scenario, standing.
   void restart(const Scenario& scenario);
 

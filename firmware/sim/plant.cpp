@@ -16,6 +16,10 @@ constexpr double kObstacleSpring_n_m = 8000.0;
 constexpr double kObstacleDamping_n_s_m = 1500.0;
 /// A bumper strip yields by this much; it reports from the first touch.
 constexpr double kObstacleForceLimit_n = 2000.0;
+/// A strut with its box (assumed), and how close to the body it is as good as fastened.
+constexpr double kStrut_kg = 1.0, kFastened_m = 0.002;
+/// A loose box tips over once its strut leans by this much, and no faster than that (assumed).
+constexpr double kTips_rad = 1.0 * kDegree_rad, kTipping_rad_s = 1.0;
 /// Below the casters' radius. A tyre that drops on the floor comes up with this share of its speed (assumed).
 constexpr double kEdgeHighest_m = 0.04, kBounce_norm = 0.4;
 /// Pushing by hand along a tape: slower than walking.
@@ -74,22 +78,61 @@ void Plant::short_bridge(Side side, std::optional<double> duty_norm) {
   shorted_[index(side)] = duty_norm ? std::optional<double>(clamp_abs(*duty_norm, 1.0)) : std::nullopt;
 }
 
-double Plant::strut_forward_m(Side side) const {
+double Plant::body_forward_m(Side side) const {
   const double half_m = params_.strut_spacing_m / 2.0 * std::sin(harness_.yaw_rad);
   return harness_.dx_m + (side == Side::left ? -half_m : half_m);
 }
 
-double Plant::strut_forward_rate_m_s(Side side) const {
+double Plant::body_forward_rate_m_s(Side side) const {
   const double half_m_s = params_.strut_spacing_m / 2.0 * std::cos(harness_.yaw_rad) * harness_.yaw_rate_rad_s;
   return harness_.dx_rate_m_s + (side == Side::left ? -half_m_s : half_m_s);
 }
 
-double Plant::strut_alpha_rad(Side side) const { return std::atan(strut_forward_m(side) / params_.strut_length_m); }
-
-double Plant::strut_beta_rad(Side side) const {
+double Plant::body_left_m(Side side) const {
   const double inward_m = params_.bar_stiff_norm * params_.strut_spacing_m / 2.0 * (1.0 - std::cos(harness_.yaw_rad));
-  const double left_m = harness_.dy_m + (side == Side::left ? -inward_m : inward_m);
-  return std::atan(-left_m / params_.strut_length_m);
+  return harness_.dy_m + (side == Side::left ? -inward_m : inward_m);
+}
+
+double Plant::strut_forward_m(Side side) const { return free_[index(side)].free ? free_[index(side)].forward_m : body_forward_m(side); }
+
+double Plant::strut_forward_rate_m_s(Side side) const {
+  return free_[index(side)].free ? free_[index(side)].forward_rate_m_s : body_forward_rate_m_s(side);
+}
+
+double Plant::strut_left_m(Side side) const { return free_[index(side)].free ? free_[index(side)].left_m : body_left_m(side); }
+
+double Plant::strut_left_rate_m_s(Side side) const {
+  if (free_[index(side)].free) return free_[index(side)].left_rate_m_s;
+  const double inward_rate_m_s =
+      params_.bar_stiff_norm * params_.strut_spacing_m / 2.0 * std::sin(harness_.yaw_rad) * harness_.yaw_rate_rad_s;
+  return harness_.dy_rate_m_s + (side == Side::left ? -inward_rate_m_s : inward_rate_m_s);
+}
+
+double Plant::strut_alpha_rad(Side side) const { return std::atan(strut_forward_m(side) / params_.strut_length_m); }
+double Plant::strut_beta_rad(Side side) const { return std::atan(-strut_left_m(side) / params_.strut_length_m); }
+double Plant::body_alpha_rad(Side side) const { return std::atan(body_forward_m(side) / params_.strut_length_m); }
+double Plant::body_beta_rad(Side side) const { return std::atan(-body_left_m(side) / params_.strut_length_m); }
+
+void Plant::cut_strap(Side side, bool cut) {
+  FreeStrut& strut = free_[index(side)];
+  if (!strut.free)
+    strut = {false, true, strut_forward_m(side), strut_forward_rate_m_s(side), strut_left_m(side), strut_left_rate_m_s(side)};
+  strut.cut = cut;
+}
+
+// Half of the springs and dampers on a strut of 1 kg: upright again in half a second. Fastened, it is led to the body as quickly.
+void Plant::move_free_strut(Side side, double dt_s) {
+  FreeStrut& strut = free_[index(side)];
+  if (!strut.free) return;
+  const double goal_m = strut.cut ? 0.0 : body_forward_m(side), left_goal_m = strut.cut ? 0.0 : body_left_m(side);
+  const auto accelerate = [&](double off_m, double rate_m_s) {
+    return -(0.5 * params_.spring_n_m * off_m + 0.5 * params_.damping_n_s_m * rate_m_s) / kStrut_kg;
+  };
+  strut.forward_rate_m_s += (accelerate(strut.forward_m - goal_m, strut.forward_rate_m_s) - platform_.acceleration_m_s2) * dt_s;
+  strut.left_rate_m_s += accelerate(strut.left_m - left_goal_m, strut.left_rate_m_s) * dt_s;
+  strut.forward_m += strut.forward_rate_m_s * dt_s;
+  strut.left_m += strut.left_rate_m_s * dt_s;
+  strut.free = strut.cut || std::hypot(strut.forward_m - goal_m, strut.left_m - left_goal_m) > kFastened_m;
 }
 
 HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
@@ -99,6 +142,7 @@ HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
   const double limit_m = stop_m_;
   HarnessForce force;
   for (const double sense : {-1.0, 1.0}) {  // left strut, right strut
+    if (!strap_holds(sense < 0.0 ? Side::left : Side::right)) continue;
     const double x_m = harness.dx_m + sense * half_m * sine;
     const double x_rate_m_s = harness.dx_rate_m_s + sense * half_m * cosine * harness.yaw_rate_rad_s;
     const double y_m = harness.dy_m + sense * half_m * params_.bar_stiff_norm * (1.0 - cosine);
@@ -336,6 +380,7 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
     }
     battery_.step(supply_a, h_s);
 
+    for (const Side side : {Side::left, Side::right}) move_free_strut(side, h_s);
     HarnessForce push = harness_force(harness_);
     push.forward_n += shove_n_;
     push.turn_n_m += shove_n_m_;
@@ -373,10 +418,11 @@ Plant::Vector Plant::sensor_velocity(Place place) const {
   const Side side = place == Place::left_strut ? Side::left : Side::right;
   const double up = params_.sensor_height_m / params_.strut_length_m;
   const double beside_m = side == Side::left ? params_.strut_spacing_m / 2.0 : -params_.strut_spacing_m / 2.0;
-  return {platform_.speed_m_s - platform_.yaw_rate_rad_s * (beside_m + up * harness_.dy_m) + up * strut_forward_rate_m_s(side) +
-              pitch_rate_rad_s_ * params_.sensor_height_m,
-          platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * harness_.dy_rate_m_s - roll_rate_rad_s_ * params_.sensor_height_m,
-          height_rate_m_s_};
+  return {
+      platform_.speed_m_s - platform_.yaw_rate_rad_s * (beside_m + up * strut_left_m(side)) + up * strut_forward_rate_m_s(side) +
+          pitch_rate_rad_s_ * params_.sensor_height_m,
+      platform_.yaw_rate_rad_s * up * strut_forward_m(side) + up * strut_left_rate_m_s(side) - roll_rate_rad_s_ * params_.sensor_height_m,
+      height_rate_m_s_};
 }
 
 ImuReading Plant::read_imu(Place sensor) {
@@ -404,15 +450,11 @@ ImuReading Plant::read_imu(Place sensor) {
   if (place != Place::chassis) {
     const Side side = place == Place::left_strut ? Side::left : Side::right;
     const double forward = strut_forward_m(side) / params_.strut_length_m;
-    const double half_m = params_.bar_stiff_norm * params_.strut_spacing_m / 2.0;
-    const double inward_m = half_m * (1.0 - std::cos(harness_.yaw_rad));
-    const double inward_rate_m_s = half_m * std::sin(harness_.yaw_rad) * harness_.yaw_rate_rad_s;
-    const double sense = side == Side::left ? -1.0 : 1.0;
-    const double aside = (harness_.dy_m + sense * inward_m) / params_.strut_length_m;
+    const double aside = strut_left_m(side) / params_.strut_length_m;
     lean += forward;
     lean_left += aside;
     alpha_rate_rad_s += strut_forward_rate_m_s(side) / params_.strut_length_m / (1.0 + forward * forward);
-    beta_rate_rad_s -= (harness_.dy_rate_m_s + sense * inward_rate_m_s) / params_.strut_length_m / (1.0 + aside * aside);
+    beta_rate_rad_s -= strut_left_rate_m_s(side) / params_.strut_length_m / (1.0 + aside * aside);
   }
   const double z_length = std::sqrt(1.0 + lean * lean + lean_left * lean_left);
   const Vector z_axis{lean / z_length, lean_left / z_length, 1.0 / z_length};
@@ -433,9 +475,21 @@ ImuReading Plant::read_imu(Place sensor) {
   if (params_.sensor_reversed[index]) {
     for (double* value : {&truth.ax_m_s2, &truth.ay_m_s2, &truth.alpha_rate_rad_s, &truth.beta_rate_rad_s}) *value = -*value;
   }
+  if (play_rad_[index] != 0.0 || tipped_rad_[index] != 0.0) tip_box(index, lean, age_s, truth);
   const MountingError& askew = params_.mounting[index];
   if (askew.alpha_rad != 0.0 || askew.beta_rad != 0.0) truth = seen_askew(truth, askew);
   return imus_[index].corrupt(truth, std::clamp(age_s, 0.0, 1.0));
+}
+
+void Plant::tip_box(std::size_t place, double lean_rad, double age_s, ImuReading& truth) {
+  double& tipped_rad = tipped_rad_[place];
+  const double goal_rad = std::fabs(lean_rad) > kTips_rad || play_rad_[place] == 0.0 || tipped_rad == 0.0
+                              ? std::copysign(play_rad_[place], lean_rad)
+                              : std::copysign(play_rad_[place], tipped_rad);
+  const double change_rad = clamp_abs(goal_rad - tipped_rad, kTipping_rad_s * age_s);
+  tipped_rad += change_rad;
+  if (age_s > 1e-6) truth.alpha_rate_rad_s += change_rad / age_s;
+  truth = seen_askew(truth, {tipped_rad, 0.0});
 }
 
 void Plant::push_by_hand(double way_m, double turn_rad) {

@@ -107,6 +107,9 @@ class Plant {
   /// True angle of a strut against the platform, rad.
   [[nodiscard]] double strut_alpha_rad(Side side) const;
   [[nodiscard]] double strut_beta_rad(Side side) const;
+  /// Angle at which a strut stands that follows the body: the strut's own, as long as its strap holds.
+  [[nodiscard]] double body_alpha_rad(Side side) const;
+  [[nodiscard]] double body_beta_rad(Side side) const;
 
   // Faults and world.
   void force_bumper(int bit, bool pressed);
@@ -140,6 +143,12 @@ class Plant {
   /// the brake. Only cutting the supply helps. No value: the bridge is intact, also for a duty that is not finite; beyond +-1 it is
   /// clamped.
   void short_bridge(Side side, std::optional<double> duty_norm);
+  /// The strap of this side is cut, or its strut has come off its joint: the strut springs upright and holds nothing. Fastened again it is led back.
+  void cut_strap(Side side, bool cut);
+  [[nodiscard]] bool strap_holds(Side side) const { return !free_[index(side)].cut; }
+  [[nodiscard]] bool holds_body() const { return strap_holds(Side::left) || strap_holds(Side::right); }
+  /// A strut's tilt box is loose: it tips to the side to which the strut leans, by this play. 0: tight again.
+  void loosen_box(Place place, double play_rad) { play_rad_[static_cast<std::size_t>(place)] = play_rad; }
   void cut_power(bool cut) { power_cut_ = cut; }
   /// The second contact in the motors' supply, which the computer keeps closed.
   void open_relay(bool open) { relay_open_ = open; }
@@ -186,6 +195,11 @@ class Plant {
     double y{};
     double z{};
   };
+  // A strut that does not follow the body.
+  struct FreeStrut {
+    bool cut{false}, free{false};
+    double forward_m{}, forward_rate_m_s{}, left_m{}, left_rate_m_s{};
+  };
   struct SensorMemory {
     Vector velocity_m_s;
     double time_s{};
@@ -196,6 +210,13 @@ class Plant {
   [[nodiscard]] bool runs_by_itself() const { return powered() && (shorted_[0] || shorted_[1]); }
   [[nodiscard]] double strut_forward_m(Side side) const;
   [[nodiscard]] double strut_forward_rate_m_s(Side side) const;
+  [[nodiscard]] double strut_left_m(Side side) const;
+  [[nodiscard]] double strut_left_rate_m_s(Side side) const;
+  [[nodiscard]] double body_forward_m(Side side) const;
+  [[nodiscard]] double body_forward_rate_m_s(Side side) const;
+  [[nodiscard]] double body_left_m(Side side) const;
+  void move_free_strut(Side side, double dt_s);
+  void tip_box(std::size_t place, double lean_rad, double age_s, ImuReading& truth);
   [[nodiscard]] Vector sensor_velocity(Place place) const;
   void step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s);
   void step_sliding(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s);
@@ -243,6 +264,8 @@ class Plant {
   std::array<double, 2> bounce_s_{};              // off the floor for so long
   std::array<double, 2> pressed_norm_{1.0, 1.0};  // what presses a driven wheel to the floor, of its weight
   double height_m_{}, height_rate_m_s_{};         // of the chassis
+  std::array<FreeStrut, 2> free_{};
+  std::array<double, kPlaceCount> play_rad_{}, tipped_rad_{};
   double shove_n_{};
   double shove_n_m_{};
   double pitch_rad_{};

@@ -325,6 +325,28 @@ Answer op_pokeys(World&, const ProgramState& program, const json& request) {
   return kDone;
 }
 
+Answer op_strap_cut(World& world, const ProgramState&, const json& request) {
+  const auto which = text(request, "which");
+  const bool left = which == "left" || which == "both", right = which == "right" || which == "both";
+  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto cut = flag(request, "cut");
+  if (!cut) return Refused{"cut: true or false"};
+  if (!*cut && world.drives_enabled()) return Refused{"op: only while the drives are disabled"};
+  if (left) world.plant().cut_strap(Side::left, *cut);
+  if (right) world.plant().cut_strap(Side::right, *cut);
+  if (!*cut) world.patient().stand_in_the_middle();
+  return kDone;
+}
+
+Answer op_loose_box(World& world, const ProgramState&, const json& request) {
+  const auto which = node(request);
+  if (which != Node::tilt_left && which != Node::tilt_right) return Refused{"node: tilt_left or tilt_right"};
+  const auto play_rad = number(request, "play_rad", 0.0, 0.5);
+  if (!play_rad) return Refused{"play_rad: 0 to 0.5; 0 is tight"};
+  world.plant().loosen_box(*which == Node::tilt_left ? Place::left_strut : Place::right_strut, *play_rad);
+  return kDone;
+}
+
 Answer op_wish(World& world, const ProgramState&, const json& request) {
   const auto wish_m_s = number(request, "speed_m_s", kWishMin_m_s, kWishMax_m_s);
   if (!wish_m_s) return Refused{"speed_m_s: 0.05 to 0.8"};
@@ -426,6 +448,8 @@ constexpr std::array kOperations{
     Operation{"sill", "height_m, which (left, right, both wheels): a door sill just ahead, instead of the one before", op_sill},
     Operation{"step_down", "height_m, which as in sill: a step down just ahead", op_step_down},
     Operation{"pokeys", "silent: the PoKeys on the network does not answer", op_pokeys},
+    Operation{"strap_cut", "which (left, right, both), cut: that strut springs upright and holds nothing", op_strap_cut},
+    Operation{"loose_box", "node, play_rad: the tilt box of a strut tips to the side to which it leans", op_loose_box},
     Operation{"wish", "speed_m_s the patient likes to walk", op_wish},
     Operation{"bar", "dx_m, yaw_rad: the patient leaves, the bar is held there by hand; zeros release it", op_bar},
     Operation{"strap", "the patient is strapped in again", op_strap},

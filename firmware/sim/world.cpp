@@ -286,8 +286,8 @@ struct World::Parts {
       plant.step(bar, 0.001);
     } else {
       patient.step_1ms({plant.platform(), plant.harness_force(patient.harness()),
-                        plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right)});
-      plant.set_carried(patient.carried_n());
+                        plant.bridge_enabled(Side::left) && plant.bridge_enabled(Side::right), plant.holds_body()});
+      plant.set_carried(plant.holds_body() ? patient.carried_n() : 0.0);
       plant.step(patient.harness(), 0.001);
     }
     for (std::size_t i = 0; i < kNodeCount; ++i) {

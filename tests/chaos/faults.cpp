@@ -26,6 +26,8 @@ Node target(const KindInfo& kind, int throw6) {
   switch (kind.target) {
     case Target::tilt:
       return kTilts[static_cast<std::size_t>(throw6 % 3)];
+    case Target::strut:
+      return kTilts[static_cast<std::size_t>(throw6 % 2)];
     case Target::drive:
       return kDrives[static_cast<std::size_t>(throw6 % 2)];
     case Target::any_node:

@@ -77,10 +77,12 @@ enum class Kind : std::uint8_t {
   sill,
   step_down,
   wrong_part,
+  strap_cut,
+  loose_strut,
   count
 };
 
-enum class Target : std::uint8_t { nothing, any_node, tilt, drive };
+enum class Target : std::uint8_t { nothing, any_node, tilt, strut, drive };
 
 struct KindInfo {
   Kind kind;
@@ -155,6 +157,8 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::sill, "sill", Target::nothing, false, false},
     KindInfo{Kind::step_down, "step_down", Target::nothing, false, false},
     KindInfo{Kind::wrong_part, "wrong_part", Target::any_node, false, false},
+    KindInfo{Kind::strap_cut, "strap_cut", Target::nothing, false, false},
+    KindInfo{Kind::loose_strut, "loose_strut", Target::strut, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {

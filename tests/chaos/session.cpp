@@ -400,6 +400,15 @@ class Session {
       case Kind::step_down:
         on ? lay_edge(f) : world.plant().take_edge();
         break;
+      case Kind::strap_cut:  // both, the left or the right; fastened when the hoist is at rest
+        if (!on) break;
+        for (const sim::Side cut : {sim::Side::left, sim::Side::right})
+          if (f.size < 0.34 || (f.size < 0.67) == (cut == sim::Side::left)) world.plant().cut_strap(cut, true);
+        break;
+      case Kind::loose_strut:  // 2 to 14 degrees of play
+        world.plant().loosen_box(f.node == Node::tilt_left ? sim::Place::left_strut : sim::Place::right_strut,
+                                 on ? (2.0 + 12.0 * f.size) * sim::kDegree_rad : 0.0);
+        break;
       case Kind::wrong_part:
         // Another part, the wrong way round or on the wrong side; then the checked one again, in its place.
         on ? world.exchange(f.node, ++strange_serial_, f.size < 0.5 ? sim::World::Assembly::reversed : sim::World::Assembly::swapped)
@@ -624,7 +633,18 @@ class Session {
     return fault;
   }
 
+  void fasten_straps() {
+    sim::World& world = loop_.world();
+    const auto cut = [&](sim::Side side) { return !world.plant().strap_holds(side); };
+    if (board_.now(Kind::strap_cut) || (!cut(sim::Side::left) && !cut(sim::Side::right))) return;
+    if (world.drives_enabled() || std::fabs(world.plant().platform().speed_m_s) > 0.01) return;
+    for (const sim::Side side : {sim::Side::left, sim::Side::right})
+      if (cut(side)) world.plant().cut_strap(side, false);
+    world.patient().stand_in_the_middle();
+  }
+
   void drive_faults() {
+    fasten_straps();
     const double now_s = loop_.time_s();
     for (Planned& row : board_.rows) {
       if (!row.on && !row.done && now_s >= row.fault.start_s) {

@@ -162,6 +162,8 @@ constexpr std::array kJudged{
     Judged{Kind::sill, "nothing of its own: every rule as without"},
     Judged{Kind::step_down, "nothing of its own: every rule as without"},
     Judged{Kind::wrong_part, "silent node; I7: no motion"},
+    Judged{Kind::strap_cut, "dragged; every rule of the wheels"},
+    Judged{Kind::loose_strut, "every rule of the wheels"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)
@@ -235,6 +237,8 @@ void Deadlines::see(const Truth& truth) {
   // The zero goes, or comes back.
   const bool off = board_.now(Kind::gyro_jump);
   if (std::exchange(zero_off_, off) != off) zero_s_ = seen_s_;
+  // A strut that stands upright beside one that leans, and a box that tips forward, may both be those of a patient who turns.
+  if (truth.strap_off || board_.now(Kind::loose_strut)) zero_s_ = seen_s_;
   for (const Node drive : {Node::drive_left, Node::drive_right}) {
     if (board_.now(Kind::freeze, drive)) frozen_s_ = seen_s_;
     if (board_.now(Kind::wheel_blocked, drive)) blocked_s_ = seen_s_;

@@ -22,12 +22,15 @@ const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan)
   t.fastest_m_s = std::max(std::fabs(t.wheel_m_s[0]), std::fabs(t.wheel_m_s[1]));
   t.speed_m_s = plant.platform().speed_m_s;
   t.yaw_rate_rad_s = plant.platform().yaw_rate_rad_s;
-  const double left_rad = plant.strut_alpha_rad(sim::Side::left), right_rad = plant.strut_alpha_rad(sim::Side::right);
+  const double left_rad = plant.body_alpha_rad(sim::Side::left), right_rad = plant.body_alpha_rad(sim::Side::right);
   t.forward_rad = (left_rad + right_rad) / 2.0;
-  t.right_rad = (plant.strut_beta_rad(sim::Side::left) + plant.strut_beta_rad(sim::Side::right)) / 2.0;
+  t.right_rad = (plant.body_beta_rad(sim::Side::left) + plant.body_beta_rad(sim::Side::right)) / 2.0;
   t.lean_rad = std::hypot(t.forward_rad, t.right_rad);
   t.turn_rad = (right_rad - left_rad) / 2.0;
   t.side_m = patient.harness().dy_m;
+  t.strap_off = !plant.strap_holds(sim::Side::left) || !plant.strap_holds(sim::Side::right);
+  t.held = plant.holds_body();
+  if (!t.held) t.forward_rad = t.right_rad = t.lean_rad = t.turn_rad = t.side_m = 0.0;
   t.chassis_forward_rad = plant.chassis_alpha_rad();
   t.chassis_right_rad = plant.chassis_beta_rad();
   t.chassis_rad = std::hypot(t.chassis_forward_rad, t.chassis_right_rad);

@@ -17,6 +17,8 @@ struct Truth {
   double forward_rad = 0, right_rad = 0, lean_rad = 0, outward_rad_s = 0;
   double turn_rad = 0;     // half the difference of the struts: right ahead of left
   double side_m = 0;       // of the bar, to the left
+  bool strap_off = false;  // one at least
+  bool held = true;        // a strap holds the body; without one, bar and struts stand upright
   double chassis_rad = 0;  // lean of the chassis in any direction
   double chassis_forward_rad = 0, chassis_right_rad = 0;
   // What pushes each wheel along the floor from outside: body, stops, hands, slope, edges of the floor. Newtons, forward positive.

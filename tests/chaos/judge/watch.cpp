@@ -206,7 +206,8 @@ void Watch::watch_truth(bool core_ran) {
   const double now_s = world_.time_s();
   const Truth& truth = sampler_.sample(world_, board_.now(Kind::bumper));
   deadlines_.see(truth);
-  if (board_.inside(now_s, 0.0) || (mode_ != Mode::user && board_.any(now_s, 0.0)) || truth.on_edge) disturbed_s_ = now_s;
+  if (board_.inside(now_s, 0.0) || (mode_ != Mode::user && board_.any(now_s, 0.0)) || truth.on_edge || truth.strap_off)
+    disturbed_s_ = now_s;
   watch_platform(core_ran);
   // I1: each cause of a stop has its time.
   for (std::size_t i = 0; i < must_stop_.size();) {

@@ -333,6 +333,50 @@ TEST(Plant, AWheelThatDropsOverAnEdgeRollsTheChassisAndLosesItsGripForAMoment) {
   EXPECT_TRUE(plant.on_edge());
 }
 
+TEST(Plant, AStrutWhoseStrapIsCutSpringsUprightAndPushesNothing) {
+  Plant plant({}, 1);
+  const HarnessMotion leant{0.10, 0.02, 0.0};
+  run(plant, leant, 1.0);
+  const double both_n = plant.harness_force(leant).forward_n;
+  plant.cut_strap(Side::right, true);
+  EXPECT_NEAR(plant.strut_alpha_rad(Side::right), std::atan(0.10 / 0.80), 1e-9) << "from where it was";
+  run(plant, leant, 1.0);
+  EXPECT_NEAR(plant.strut_alpha_rad(Side::right), 0.0, 1e-3);
+  EXPECT_NEAR(plant.strut_beta_rad(Side::right), 0.0, 1e-3);
+  EXPECT_NEAR(plant.body_alpha_rad(Side::right), std::atan(0.10 / 0.80), 1e-9);
+  EXPECT_NEAR(plant.strut_alpha_rad(Side::left), std::atan(0.10 / 0.80), 1e-9);
+  EXPECT_NEAR(plant.harness_force(leant).forward_n, both_n / 2.0, 1e-9);
+  EXPECT_NEAR(plant.harness_force(leant).turn_n_m, -0.3 * both_n / 2.0, 1e-9) << "the left one alone turns it to the right";
+  EXPECT_TRUE(plant.holds_body());
+  plant.cut_strap(Side::left, true);
+  EXPECT_FALSE(plant.holds_body());
+  EXPECT_EQ(plant.harness_force(leant).forward_n, 0.0);
+  for (const Side side : {Side::left, Side::right}) plant.cut_strap(side, false);
+  run(plant, leant, 1.0);
+  EXPECT_EQ(plant.strut_alpha_rad(Side::left), plant.body_alpha_rad(Side::left)) << "it follows again";
+}
+
+TEST(Plant, ALooseTiltBoxShowsMoreLeanThanItsStrutHas) {
+  Plant plant({}, 1);
+  const double play_rad = 8.0 * kDegree_rad;
+  plant.loosen_box(Place::left_strut, play_rad);
+  for (const double dx_m : {0.05, -0.05}) {
+    double lean_rad = 0.0, tipped_rad = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      run(plant, {dx_m, 0.0, 0.0}, 0.01);
+      const ImuReading seen = plant.read_imu(Place::left_strut);
+      tipped_rad += seen.alpha_rate_rad_s * 0.01;
+      if (i >= 50) lean_rad += std::atan2(-seen.ax_m_s2, seen.az_m_s2) / 50.0;
+    }
+    EXPECT_NEAR(lean_rad, std::copysign(std::atan(0.05 / 0.8) + play_rad, dx_m), 0.01);
+    EXPECT_NEAR(tipped_rad, std::copysign(dx_m > 0.0 ? play_rad : 2.0 * play_rad, dx_m), 0.03) << "its gyroscope tips with it";
+  }
+  plant.loosen_box(Place::left_strut, 0.0);
+  run(plant, {}, 1.0);
+  for (int i = 0; i < 100; ++i) (void)plant.read_imu(Place::left_strut), run(plant, {}, 0.01);
+  EXPECT_NEAR(plant.read_imu(Place::left_strut).ax_m_s2, 0.0, 0.2);
+}
+
 TEST(Plant, ARampLeansAllSensorsAlikeAndDrawsDownhill) {
   Plant plant({}, 1);
   plant.tilt_floor(6.0 * kDegree_rad, kPi);  // falls behind the machine
