@@ -3,9 +3,9 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/seeds.hpp"
 
 namespace hoist::tests {
 namespace {
@@ -13,11 +13,7 @@ namespace {
 using contract::Fault;
 using contract::Mode;
 
-int seeds(int usual) {
-  const char* asked = std::getenv("HOIST_SLIP_SEEDS");
-  const int n = asked != nullptr ? std::atoi(asked) : 0;
-  return n > 0 ? n : usual;
-}
+int seeds(int usual) { return asked_for("HOIST_SLIP_SEEDS", usual); }
 
 struct Errors {
   double encoder_rad = 0, fused_rad = 0, encoder_m = 0, fused_m = 0;
@@ -53,7 +49,7 @@ Errors walk(const char* scenario, std::uint64_t seed) {
 }
 
 TEST(Slip, H10WithBurstsTheHeadingErrsByAFifthAtMost) {
-  const int n = seeds(24);
+  const int n = seeds(seeds_for(24, 24, 8));
   double encoder = 0, fused = 0, encoder_m = 0, fused_m = 0, worst_rad = 0;
   int stopped = 0;
   for (int seed = 1; seed <= n; ++seed) {
@@ -78,7 +74,7 @@ TEST(Slip, H10WithBurstsTheHeadingErrsByAFifthAtMost) {
 }
 
 TEST(Slip, H10WithoutSlipItIsNeverWorseThanTheEncodersByMoreThanItsNoise) {
-  for (int seed = 1; seed <= seeds(8); ++seed) {
+  for (int seed = 1; seed <= seeds(seeds_for(8, 8, 3)); ++seed) {
     const Errors e = walk("figure-eight", static_cast<std::uint64_t>(seed));
     ASSERT_TRUE(e.walked);
     // 0.01 deg per root second over the filter's half second, and a tenth of a degree for the bend it is in.

@@ -15,11 +15,7 @@ namespace {
 
 using contract::Mode;
 
-int cuts() {
-  const char* asked = std::getenv("HOIST_STOP_CUTS");
-  const int n = asked != nullptr ? std::atoi(asked) : 0;
-  return n > 0 ? n : seeds_for(120, 120, 40);
-}
+int cuts() { return asked_for("HOIST_STOP_CUTS", seeds_for(120, 60, 12)); }
 
 enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided, end_driving };
 

@@ -269,7 +269,7 @@ TEST(Walking, ManyPatientsNeverTripAGuard) {
 
 // H15, H16: a patient who does not know that the walk ends keeps pushing while the hoist brakes.
 TEST(Walking, H15_EndingAWalkIsNoFall) {
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(60, 30, 8)); ++seed) {
     ClosedLoopOptions options = scenario(seed % 2 == 0 ? "straight" : "figure-eight");
     options.world.patient = sim::PatientParams::random(seed);
     options.world.seed = seed;
@@ -286,7 +286,7 @@ TEST(Walking, H15_EndingAWalkIsNoFall) {
 }
 
 TEST(Walking, H7_TightTurnsOfTheSquareAreNoImplausibleTilt) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(40, 20, 5)); ++seed) {
     ClosedLoopOptions options = scenario("square");
     options.world.patient = sim::PatientParams::random(seed);
     options.world.seed = seed;

@@ -17,4 +17,11 @@ inline int seeds_for([[maybe_unused]] int in_full, [[maybe_unused]] int everyday
 #endif
 }
 
+/// As many as the environment variable NAME says, for a measurement; `otherwise` without it.
+inline int asked_for(const char* name, int otherwise) {
+  const char* asked = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing sets it meanwhile
+  const int n = asked != nullptr ? std::atoi(asked) : 0;
+  return n > 0 ? n : otherwise;
+}
+
 }  // namespace hoist::tests

@@ -19,7 +19,7 @@ using contract::Mode;
 
 constexpr int kDownloaders = 4, kDownloadsPerList = 10;
 // Sanitized programs are ten times slower and see a wrong thread at the first occasion.
-int broken_off() { return tests::seeds_for(10'000, 1'000, 400); }
+int broken_off() { return tests::seeds_for(4'000, 1'000, 400); }
 
 // A connection that ends with a reset, so that the server's next write fails and no port stays in TIME_WAIT.
 class Downloader {
