@@ -17,7 +17,9 @@ import {
   type Draft,
 } from '../src/panels/exercises/draft';
 import { exercises, usualOwnLine } from '../src/contract/exercises.gen';
+import { tasks } from '../src/text/tasks';
 import { ownPath } from '../src/ui/own_line';
+import { eachPage, minutes_ms } from '../test-support/browser';
 
 const room = { along_m: 6, across_m: 6 };
 const square: Draft = {
@@ -98,5 +100,27 @@ describe('points', () => {
     expect([steppedRadius(0, 1), steppedRadius(0.3, -1), steppedRadius(0.5, 1), steppedRadius(3, 1), steppedRadius(0, -1)]).toEqual([
       0.3, 0, 0.6, 3, 0,
     ]);
+  });
+});
+
+describe('the free floor', { timeout: minutes_ms }, () => {
+  const open = eachPage(1280, 800);
+  it('is kept in the browser for the next line', async () => {
+    const { fake, page } = await open();
+    const along = async () => {
+      await page.goto(`${fake.url}#/exercises`);
+      await page.getByRole('button', { name: tasks.en['line.draw'] }).click();
+      return page.getByRole('group', { name: tasks.en['line.floorAlong'] });
+    };
+    const more = tasks.en['guided.more'].replace('{what}', tasks.en['line.floorAlong']);
+    const first = await along();
+    await first.getByRole('button', { name: more }).click();
+    await first.getByText('6.5 m').waitFor();
+    await page.reload();
+    await (await along()).getByText('6.5 m').waitFor();
+    // What another version or a person has put there is no floor.
+    await page.evaluate(() => localStorage.setItem('hoist.floor', '{"along_m": "wide"}'));
+    await page.reload();
+    await (await along()).getByText('6.0 m').waitFor();
   });
 });

@@ -27,25 +27,25 @@ import {
   type Floor,
   type Judged,
 } from './draft';
+import { keepFloor, keptFloor } from './floor';
 import { LinePlan } from './line_plan';
 import { stepped } from './plan';
 import { Stepper } from './stepper';
 import './line_editor.css';
 
 const nameMost = 64;
-/** The same room for the next line. */
-let keptFloor: Floor = { along_m: floorSide.usual, across_m: floorSide.usual };
 
 /** Floor that holds a line from before. */
 function floorFor(draft: Draft): Floor {
+  const kept = keptFloor();
   const side = (value: number, reach: readonly number[]) => Math.max(value, ...reach.map((at) => Math.ceil(4 * Math.abs(at)) / 2));
   return {
     along_m: side(
-      keptFloor.along_m,
+      kept.along_m,
       draft.points.map(({ x }) => x),
     ),
     across_m: side(
-      keptFloor.across_m,
+      kept.across_m,
       draft.points.map(({ y }) => y),
     ),
   };
@@ -86,7 +86,7 @@ export function LineEditor({ line, close }: { line: Line | null; close: (saved: 
     setDraft({ ...before, name: draft.name });
     setSelected(null);
   };
-  const resize = (part: Partial<Floor>) => setFloor((keptFloor = { ...floor, ...part }));
+  const resize = (part: Partial<Floor>) => setFloor(keepFloor({ ...floor, ...part }));
   const save = async () => {
     setBusy(true);
     const body = requestOfDraft(draft);
