@@ -19,6 +19,12 @@ json task_name(const TrendSession& session) {
   return task ? json(task->task) : json(nullptr);
 }
 
+// Only what it is called: walks are compared along the same points.
+json line_name(const TrendSession& session) {
+  const auto task = task_of_stored(session.exercise_json);
+  return task && !task->line.empty() ? json(task->line) : json(nullptr);
+}
+
 // What makes walks comparable. Free walking is no exercise, or one that only a task names.
 std::pair<json, json> kind_of(const TrendSession& session) {
   json exercise = exercise_as_told(session.exercise_json);
@@ -85,6 +91,7 @@ json trend_item_json(const TrendEntry& entry) {
            {"started_utc_ms", session.started_utc_ns / 1'000'000},
            {"exercise", exercise_as_told(session.exercise_json)},
            {"task", task_name(session)},
+           {"line", line_name(session)},
            {"figures", nullptr},
            {"reasons", json::object()},
            {"reason_code", nullptr}};

@@ -39,7 +39,8 @@ inline constexpr std::string_view kRehearsalMark = "Rehearsal, simulated hoist: 
 
 class Rehearsal {
  public:
-  enum class Phase : std::uint8_t { waiting, happening, over };
+  // lost: no result, since the core ended.
+  enum class Phase : std::uint8_t { waiting, happening, over, lost };
   // It happens so long after the patient began to walk, drawn by the seed.
   static constexpr double kEarliest_s = 8, kLatest_s = 25;
   // Then staff have this long at most.
@@ -57,6 +58,8 @@ class Rehearsal {
   void did(std::string_view action, std::string_view result);
   // Whether a person is in control.
   void lease(bool held);
+  // The core has ended: another one counts other steps.
+  void lose() { phase_ = Phase::lost; }
 
   [[nodiscard]] RehearsalKind kind() const { return kind_; }
   [[nodiscard]] Phase phase() const { return phase_; }

@@ -21,6 +21,8 @@ constexpr const char* phase_name(Rehearsal::Phase phase) {
       return "waiting";
     case Rehearsal::Phase::happening:
       return "happening";
+    case Rehearsal::Phase::lost:
+      return "lost";
     case Rehearsal::Phase::over:
       break;
   }
@@ -68,8 +70,10 @@ void RehearsalDesk::did(std::uint32_t client, std::string_view action, std::stri
 }
 
 void RehearsalDesk::on_core(bool connected) {
-  // Another core counts other steps.
-  if (!connected && rehearsal_ && rehearsal_->phase() != Rehearsal::Phase::over) cancel();
+  if (connected || !under_way()) return;
+  end();
+  simulator_.close();
+  rehearsal_->lose();
 }
 
 void RehearsalDesk::on_ticks(std::span<const contract::TickRecord> records, std::uint64_t) {
@@ -108,8 +112,12 @@ void RehearsalDesk::happen(const contract::TickRecord& record) {
   if (rehearsal_->kind() == RehearsalKind::link_loss && cut_ && holder != 0) cut_(holder, info.ends_after_s);
 }
 
+bool RehearsalDesk::under_way() const {
+  return rehearsal_ && (rehearsal_->phase() == Rehearsal::Phase::waiting || rehearsal_->phase() == Rehearsal::Phase::happening);
+}
+
 void RehearsalDesk::end() {
-  if (!rehearsal_ || rehearsal_->phase() == Rehearsal::Phase::waiting) return;
+  if (!rehearsal_ || rehearsal_->phase() == Rehearsal::Phase::waiting || rehearsal_->phase() == Rehearsal::Phase::lost) return;
   const RehearsalInfo& info = rehearsal_info(rehearsal_->kind());
   if (!info.ends.empty()) simulator_.send(info.ends);
   if (second_ == 0) return;

@@ -55,6 +55,7 @@ class RehearsalDesk final : public CoreListener {
 
  private:
   void happen(const contract::TickRecord& record);
+  [[nodiscard]] bool under_way() const;
   // What happened goes again.
   void end();
   void store();

@@ -2,6 +2,7 @@
 import type { Page } from 'playwright-core';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { dayOf, exists, found, isCode, match } from '../src/panels/home/model';
+import type { SessionList } from '../src/contract/rest.gen';
 import { en } from '../src/text/en';
 import { eachPage, minutes_ms } from '../test-support/browser';
 import type { FakeServer } from '../test-support/fake_server.mjs';
@@ -101,6 +102,19 @@ describe('Home', { timeout: minutes_ms }, () => {
     await page.locator('.bar-patient').click();
     await page.locator('.home').waitFor();
     expect(await page.locator('body').textContent()).not.toContain('Musterfrau');
+  });
+
+  it('names walks along a line that staff have drawn by the name of the line', async () => {
+    await page.route('**/api/v1/sessions?*', async (route) => {
+      const answer = await route.fetch();
+      const list = (await answer.json()) as SessionList;
+      for (const session of list.items) if (session.task !== null) Object.assign(session.task, { task: 'own_line', line: 'Hall' });
+      await route.fulfill({ response: answer, json: list });
+    });
+    await page.goto(`${fake.url}#/patients/1`);
+    await page.locator('.patient .rows li', { hasText: 'Hall, 2/3' }).waitFor();
+    await page.locator('.trend select').nth(1).waitFor();
+    expect(await page.locator('.trend select').nth(1).textContent()).toMatch(/Hall, \d+\.\d.m/);
   });
 
   it('deletes a patient only by holding, and never the current one', async () => {

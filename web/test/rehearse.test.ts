@@ -87,6 +87,14 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
     expect(await page.getByRole('link', { name: rehearse.en['rehearse.toSession'] }).getAttribute('href')).toBe('#/sessions/3');
   });
 
+  it('without a result say why, and can be started again', async () => {
+    fake.rehearse({ phase: 'lost', rehearsal: 'trip' });
+    await page.goto(`${fake.url}#/rehearse`);
+    await page.locator('.rehearse-result', { hasText: rehearse.en['rehearse.lost'] }).waitFor();
+    expect(await page.getByRole('link', { name: rehearse.en['rehearse.toSession'] }).count()).toBe(0);
+    expect(await page.getByRole('button', { name: rehearse.en['rehearse.start'] }).isEnabled()).toBe(true);
+  });
+
   it('are not offered on a real hoist, and its reason is told', async () => {
     fake.rehearse({ reason_code: 'not_simulated' });
     await page.reload();

@@ -11,6 +11,7 @@ const item = (session: number, C: number | null, exercise: TrendItem['exercise']
   started_utc_ms: session,
   exercise,
   task: null,
+  line: null,
   figures: { C } as TrendItem['figures'],
   reasons: {},
   reason_code: C === null ? 'too_short' : null,
@@ -26,6 +27,16 @@ describe('a trend', () => {
     expect(of(null)).toBe(of({ shape: 'free' }));
     expect(of(null, 'walk_6min')).not.toBe(of(null, 'walk_2min'));
     expect(pointsOf([{ ...items[0]!, task: 'eight' }, ...items], of(eight, 'eight'), 'C')).toHaveLength(1);
+  });
+
+  it('keeps own lines apart by their points, each by its newest name', () => {
+    const along = (x_m: number[], line: string): TrendItem => ({
+      ...item(1, 0.5, { shape: 'own', closed: false, x_m, y_m: [0, 0] }),
+      task: 'own_line',
+      line,
+    });
+    const walked = walkedOf([along([0, 4], 'First floor'), along([0, 5], 'Garden'), along([0, 4], 'Hall')]);
+    expect([...walked.values()].map(({ line }) => line)).toEqual(['First floor', 'Garden']);
   });
 
   it('tells a change of the chosen exercise and figure only', () => {

@@ -7,6 +7,8 @@
 #include "db/store/exercise_json.hpp"
 #include "db/store/lines.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/tasks.hpp"
+#include "db/summary/trend.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db::test {
@@ -114,6 +116,26 @@ TEST(OwnLine, IsKeptByNameChangedForWhatWasSeenAndDeleted) {
   EXPECT_EQ(lines.create("one more", own_line(), 0).error().kind, ErrorKind::wrong_state);
   execute(database.handle(), "UPDATE lines SET exercise = '{}' WHERE name = '1'");
   EXPECT_EQ(lines.list({.limit = 200}).error().kind, ErrorKind::corrupt);
+}
+
+TEST(OwnLine, ATrendTellsItsNameAndComparesWalksAlongTheSamePoints) {
+  const auto walked = [](const Exercise& exercise, const std::string& name) {
+    TaskRecord task;
+    task.task = "own_line";
+    task.line = name;
+    TrendSession session;
+    session.exercise_json = stored_with_task(exercise, task);
+    return session;
+  };
+  Exercise other = own_line();
+  other.line.points[1].x_m += 1;
+  const TrendSession hall = walked(own_line(), "Hall"), renamed = walked(own_line(), "Hall, first floor"), garden = walked(other, "Hall");
+  EXPECT_EQ(trend_item_json({hall, std::nullopt})["line"], "Hall");
+  EXPECT_TRUE(comparable(hall, renamed));
+  EXPECT_FALSE(comparable(hall, garden)) << "the name alone says nothing";
+  TrendSession untitled;
+  untitled.exercise_json = exercise_json(own_line(), ExerciseNames::stored).dump();
+  EXPECT_TRUE(trend_item_json({untitled, std::nullopt})["line"].is_null());
 }
 
 }  // namespace

@@ -58,12 +58,20 @@ class Rehearsals : public ServerTest {
     simulator_ = std::make_unique<Listener>((folder_ / "sim.sock").string());
     adjust_ = [this](server::Settings& settings) { settings.simulator = (folder_ / "sim.sock").string(); };
     ServerTest::SetUp();
+    simulate();
+  }
+  void start_core() {
+    core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
+    wait_for_core();
+    simulate();
+  }
+  void simulate() {
     core_->set([](TickRecord& record) {
       record.simulated = 1;
       record.mode = static_cast<std::uint8_t>(Mode::standby);
       record.standing_still = 0;
     });
-    ASSERT_TRUE(until([&] { return get("/api/v1/rehearsal").json()["reason_code"].is_null(); }));
+    ASSERT_TRUE(until([&] { return state()["reason_code"].is_null(); }));
   }
   json state() { return get("/api/v1/rehearsal").json(); }
   Answer choose(const json& name) { return call("PUT", "/api/v1/rehearsal", {{"rehearsal", name}, {"seed", 7}}); }
@@ -158,6 +166,25 @@ TEST_F(Rehearsals, CancelledWhatHappenedGoesAgain) {
   EXPECT_EQ(state()["phase"], "none");
   const server::RehearsalInfo& info = server::rehearsal_info(server::RehearsalKind::low_battery);
   EXPECT_TRUE(until([&] { return simulator_->told() == std::string(info.happens) + "\n" + std::string(info.ends) + "\n"; }));
+}
+
+TEST_F(Rehearsals, ALostCoreIsToldInPlaceOfAResult) {
+  for (const bool happened : {false, true}) {
+    SCOPED_TRACE(happened);
+    ASSERT_EQ(choose("trip").status, 200);
+    if (happened) walk();
+    core_.reset();
+    ASSERT_TRUE(until([&] { return state()["phase"] == "lost"; })) << state();
+    const json lost = state();
+    EXPECT_EQ(lost["rehearsal"], "trip");
+    EXPECT_EQ(lost["session"].is_null(), !happened);
+    EXPECT_TRUE(lost["result"].is_null());
+    start_core();
+    core_->skip(100);
+    EXPECT_EQ(state()["phase"], "lost") << "until another one is chosen";
+  }
+  EXPECT_EQ(choose(nullptr).status, 200);
+  EXPECT_EQ(state()["phase"], "none");
 }
 
 TEST_F(Rehearsals, ASecondTherapistAsksGetsControlAndGivesItBack) {

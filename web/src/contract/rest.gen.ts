@@ -1412,7 +1412,8 @@ export type RehearsalState = {
     looks: readonly RehearsalLook[];
     rehearsal: RehearsalKind;
   }[];
-  phase: 'none' | 'waiting' | 'happening' | 'over';
+  /** lost: the core ended, so there is no result. */
+  phase: 'none' | 'waiting' | 'happening' | 'over' | 'lost';
   /** Why none can be chosen here; null: one can. */
   reason_code: ReasonCode | null;
   rehearsal: RehearsalKind | null;
@@ -1912,6 +1913,8 @@ export type Trend = {
     exercise: ExerciseOrNull;
     /** null: the recording cannot be read. */
     figures: TrendFigures | null;
+    /** Name of an own line when it was walked. */
+    line: string | null;
     /** Why there is no C, J_N, or one of them. */
     reason_code: NoFigure | null;
     /** Of each figure that is null: why. */

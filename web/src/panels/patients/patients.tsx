@@ -8,12 +8,13 @@ import { address, rest, type Answer, type Problem } from '../../link/rest';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
-import { exerciseTitle } from '../../text/exercise';
 import { useSettings } from '../../text/settings';
 import { date, dayText, duration, noValue, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
 import { HoldButton } from '../../ui/hold_button';
+import { useTaskTitles } from '../../ui/task_titles';
 import { TextField } from '../../ui/text_field';
+import { walkName } from '../../ui/walk_name';
 import type { PanelProps } from '../panel';
 import { Profiles } from './profiles';
 import { TrendCard } from './trend';
@@ -212,6 +213,7 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
   const { language } = useSettings();
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { patient: id, limit: visitsMost } }), [id, again]);
   const sessions = useQuery(() => rest('GET /api/v1/sessions', { query: { q: code, limit: sessionsMost } }), [code, again]);
+  const titleOf = useTaskTitles();
   const known = new Map((sessions.value?.items ?? []).map((session) => [session.id, session]));
   return (
     <section class="card">
@@ -235,7 +237,7 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
           <VisitNote visit={visit} may={may} onChange={visits.retry} />
           <ul class="rows">
             {visit.sessions.map((session) => (
-              <SessionRow key={session} id={session} session={known.get(session) ?? null} />
+              <SessionRow key={session} id={session} session={known.get(session) ?? null} titleOf={titleOf} />
             ))}
           </ul>
           {visit.standby.length === 0 ? null : (
@@ -274,8 +276,8 @@ function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; on
   );
 }
 
-function SessionRow({ id, session }: { id: number; session: Session | null }) {
-  const name = session === null ? t('sessions.one', { n: id }) : exerciseTitle(session.exercise === null ? 'free' : session.exercise.shape);
+function SessionRow({ id, session, titleOf }: { id: number; session: Session | null; titleOf: (task: string) => string }) {
+  const name = session === null ? t('sessions.one', { n: id }) : walkName(session, titleOf);
   return (
     <li>
       <a class="row-text" href={addressOf('sessions', id)}>

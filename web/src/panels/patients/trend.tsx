@@ -75,8 +75,8 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
 }
 
 /** "Square, 3.2 m": the task or exercise with its sizes, since each size is another one. */
-function walkedText({ exercise, task }: Walked, titleOf: (task: string) => string): string {
-  if (exercise?.shape === 'own') return [exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 1), 'm')].join(', ');
+function walkedText({ exercise, task, line }: Walked, titleOf: (task: string) => string): string {
+  if (exercise?.shape === 'own') return [line ?? exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 1), 'm')].join(', ');
   const sizes = Object.entries(exercise ?? {}).flatMap(([name, value]) =>
     name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(fixed(value, 1), 'm')] : [],
   );

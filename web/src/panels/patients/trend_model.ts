@@ -4,13 +4,15 @@ import type { Trend } from '../../contract/rest.gen';
 
 export type TrendItem = Trend['items'][number];
 
-/** What was walked: only walks of the same exercise and the same task are compared. */
-export type Walked = Pick<TrendItem, 'exercise' | 'task'>;
-export const walkedKey = ({ exercise, task }: Walked): string => JSON.stringify([exercise ?? { shape: 'free' }, task]);
+/** What was walked: only walks of the same exercise and the same task are compared. Own lines are compared by their points, not by name. */
+export type Walked = Pick<TrendItem, 'exercise' | 'task' | 'line'>;
+export const walkedKey = ({ exercise, task }: Pick<Walked, 'exercise' | 'task'>): string => JSON.stringify([exercise ?? { shape: 'free' }, task]);
 
-/** What was walked in a trend, the last one first. */
+/** What was walked in a trend, the last one first, by its newest name. */
 export function walkedOf(items: readonly TrendItem[]): Map<string, Walked> {
-  return new Map(items.map(({ exercise, task }) => [walkedKey({ exercise, task }), { exercise, task }]));
+  const kinds = new Map<string, Walked>();
+  for (const item of items) if (!kinds.has(walkedKey(item))) kinds.set(walkedKey(item), item);
+  return kinds;
 }
 
 export type TrendChange = Trend['changes'][number];

@@ -69,11 +69,11 @@ export function RehearseView() {
           </>
         )}
       </section>
-      {state === null || state.result === null ? null : (
+      {state === null || state.rehearsal === null || (state.phase !== 'over' && state.phase !== 'lost') ? null : (
         <section class="card rehearse-result">
-          <h2>{t('rehearse.result', { what: rehearsalTitle(state.result.rehearsal) })}</h2>
+          <h2>{t('rehearse.result', { what: rehearsalTitle(state.rehearsal) })}</h2>
           <p class="hint">{t('rehearse.label')}</p>
-          <RehearsalItems result={state.result} />
+          {state.result === null ? <p role="status">{t('rehearse.lost')}</p> : <RehearsalItems result={state.result} />}
           {state.session === null ? null : (
             <a class="plain" href={addressOf('sessions', state.session)}>
               {t('rehearse.toSession')}

@@ -9,13 +9,13 @@ import type { Exercise, Metrics, Samples, Session, SessionList, SessionPatch } f
 import { useStore } from '../../link/store';
 import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
-import { exerciseTitle } from '../../text/exercise';
 import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, polesOf, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
 import { Scroll } from '../../ui/scroll';
 import { useTaskTitles } from '../../ui/task_titles';
 import { TextField } from '../../ui/text_field';
+import { walkName } from '../../ui/walk_name';
 import { eventText } from '../../ui/event_text';
 import { Lazy, LoadFailed, useLazy } from '../../ui/lazy';
 import { addressOf, go } from '../../router';
@@ -50,12 +50,6 @@ const unprocessable = 422;
 
 const samplesOf = (id: number, columns: string, points: number) =>
   rest('GET /api/v1/sessions/{id}/samples', { path: { id }, query: { columns, points } });
-
-/** What was walked: the task with its repetition, else the exercise. */
-function walkName({ exercise, task }: Pick<Session, 'exercise' | 'task'>, titleOf: (task: string) => string): string {
-  if (task !== null) return `${task.line ?? titleOf(task.task)}, ${fixed(task.repetition, 0)}/${fixed(task.repetitions, 0)}`;
-  return exerciseTitle(exercise === null ? 'free' : exercise.shape);
-}
 
 /** The list, newest first. It grows at its end and keeps its position when newer ones come. */
 function useSessionList(search: string, recording: string) {
