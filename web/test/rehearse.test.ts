@@ -70,6 +70,7 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
   it('are chosen, waited for, and told when they are over', async () => {
     await page.getByRole('link', { name: en['nav.rehearse'] }).click();
     await page.getByRole('heading', { name: rehearse.en['rehearse.label'] }).waitFor();
+    await page.locator('.rehearse-kinds button').first().waitFor();
     expect(await page.locator('.rehearse-kinds button').count()).toBe(Object.keys(rehearsals).length);
     await page.getByRole('radio', { name: rehearse.en['rehearse.bumper'] }).click();
     await page.getByRole('button', { name: rehearse.en['rehearse.start'] }).click();
