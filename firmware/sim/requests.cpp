@@ -60,6 +60,17 @@ std::string node_names() {
 }
 Refused bad_node() { return {"node: one of " + node_names()}; }
 
+struct Sides {
+  bool left, right;
+};
+// Of the member "which": left, right or both.
+std::optional<Sides> sides(const json& request) {
+  const auto which = text(request, "which");
+  const Sides found{which == "left" || which == "both", which == "right" || which == "both"};
+  return found.left || found.right ? std::optional(found) : std::nullopt;
+}
+Refused bad_sides() { return {"which: left, right or both"}; }
+
 Answer op_state(World& world, const ProgramState& program, const json&) {
   const Plant& plant = world.plant();
   const Patient& patient = world.patient();
@@ -212,9 +223,8 @@ Answer op_freeze_sensor(World& world, const ProgramState&, const json& request) 
 }
 
 Answer op_slip(World& world, const ProgramState&, const json& request) {
-  const auto which = text(request, "which");
-  const bool left = which && (*which == "left" || *which == "both"), right = which && (*which == "right" || *which == "both");
-  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto which = sides(request);
+  if (!which) return bad_sides();
   const auto seconds = number(request, "seconds", 0.05, 10.0);
   if (!seconds) return Refused{"seconds: 0.05 to 10"};
   const auto grip_norm = number(request, "grip_norm", 0.0, 1.0);
@@ -224,7 +234,7 @@ Answer op_slip(World& world, const ProgramState&, const json& request) {
   SlipBurst burst;
   burst.seconds = *seconds;
   const double dry_norm = world.plant().params().grip_norm;
-  burst.grip_norm = {left ? *grip_norm : dry_norm, right ? *grip_norm : dry_norm};
+  burst.grip_norm = {which->left ? *grip_norm : dry_norm, which->right ? *grip_norm : dry_norm};
   burst.twist_n_m = *twist_n_m;
   world.slip(burst);
   return kDone;
@@ -250,18 +260,16 @@ Answer op_power(World& world, const ProgramState&, const json& request) {
 }
 
 Answer op_short(World& world, const ProgramState&, const json& request) {
-  const auto which = text(request, "which");
-  const bool left = which == "left" || which == "both";
-  const bool right = which == "right" || which == "both";
-  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto which = sides(request);
+  if (!which) return bad_sides();
   const auto it = request.find("duty_norm");
   std::optional<double> duty_norm;
   if (it == request.end() || !it->is_null()) {
     duty_norm = number(request, "duty_norm", -1.0, 1.0);
     if (!duty_norm) return Refused{"duty_norm: -1 to 1, or null for a bridge that is whole again"};
   }
-  if (left) world.plant().short_bridge(Side::left, duty_norm);
-  if (right) world.plant().short_bridge(Side::right, duty_norm);
+  if (which->left) world.plant().short_bridge(Side::left, duty_norm);
+  if (which->right) world.plant().short_bridge(Side::right, duty_norm);
   return kDone;
 }
 
@@ -299,9 +307,8 @@ Answer op_floor(World& world, const ProgramState&, const json& request) {
 Answer op_edge(World& world, const json& request, double sign, double length_m) {
   const auto height_m = number(request, "height_m", 0.001, 0.04);
   if (!height_m) return Refused{"height_m: 0.001 to 0.04"};
-  const auto which = text(request, "which");
-  const bool left = which == "left" || which == "both", right = which == "right" || which == "both";
-  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto which = sides(request);
+  if (!which) return bad_sides();
   const PlatformMotion& at = world.plant().platform();
   const double ahead_m = world.plant().params().caster_ahead_m + 0.15;
   const FloorEdge edge{at.x_m + ahead_m * std::cos(at.psi_rad),
@@ -309,8 +316,8 @@ Answer op_edge(World& world, const json& request, double sign, double length_m) 
                        at.psi_rad,
                        sign * *height_m,
                        length_m,
-                       left,
-                       right};
+                       which->left,
+                       which->right};
   if (!world.plant().lay_edge(edge)) return Refused{"op: a wheel still stands on the one before"};
   return kDone;
 }
@@ -326,14 +333,13 @@ Answer op_pokeys(World&, const ProgramState& program, const json& request) {
 }
 
 Answer op_strap_cut(World& world, const ProgramState&, const json& request) {
-  const auto which = text(request, "which");
-  const bool left = which == "left" || which == "both", right = which == "right" || which == "both";
-  if (!left && !right) return Refused{"which: left, right or both"};
+  const auto which = sides(request);
+  if (!which) return bad_sides();
   const auto cut = flag(request, "cut");
   if (!cut) return Refused{"cut: true or false"};
   if (!*cut && world.drives_enabled()) return Refused{"op: only while the drives are disabled"};
-  if (left) world.plant().cut_strap(Side::left, *cut);
-  if (right) world.plant().cut_strap(Side::right, *cut);
+  if (which->left) world.plant().cut_strap(Side::left, *cut);
+  if (which->right) world.plant().cut_strap(Side::right, *cut);
   if (!*cut) world.patient().stand_in_the_middle();
   return kDone;
 }

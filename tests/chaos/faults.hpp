@@ -179,8 +179,8 @@ inline constexpr Kind kFirstLater = Kind::fall_aside;
 /// And from here on from a third one.
 inline constexpr Kind kFirstPart = Kind::sill;
 
-/// Up to `most` faults of one session, by its seed, and one more of each later group of kinds. `outside_only`: only faults that must not affect walking that
-/// a patient leads.
+/// Up to `most` faults of one session, by its seed, and one more of each later group of kinds. `outside_only`: only faults that must not affect
+/// walking that a patient leads.
 [[nodiscard]] std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only);
 
 /// "unplug:io:12.5:14:0.3,bumper::20:21:0.9", as --faults takes it and the file of kept sessions holds it. "-" is no fault at all.
