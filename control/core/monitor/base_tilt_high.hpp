@@ -17,8 +17,7 @@ class BaseTiltHigh {
   bool check(const MonitorView& view) noexcept {
     const double limit_rad = threshold<kFault, "angle">(view.params.base_tilt_slow_rad);
     const bool slopes = base_leans_beyond(view.sensed, high_ ? limit_rad - kHysteresis_rad : limit_rad);
-    const bool lasts = slopes_.step(slopes, hold<kFault, "time">(kBaseTiltTicks));
-    high_ = slopes && (high_ || lasts);
+    high_ = slopes_.step(slopes, hold<kFault, "time">(kBaseTiltTicks));
     return view.mode != contract::Mode::init && high_;
   }
 

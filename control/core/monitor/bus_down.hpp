@@ -11,8 +11,7 @@ struct BusDown {
 
   bool check(const MonitorView& view) noexcept {
     bool silent = true;
-    for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n)
-      silent = silent && view.sensed.heard(static_cast<contract::Node>(n)).age_ticks() >= hold<kFault, "silence">(kLostTicks);
+    for (const NodeRow& row : kNodeRows) silent = silent && view.sensed.heard(row.node).age_ticks() >= hold<kFault, "silence">(kLostTicks);
     return view.mode != contract::Mode::init && (silent || !(view.bus_up && view.bus_settled));
   }
 };

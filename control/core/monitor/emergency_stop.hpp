@@ -11,13 +11,14 @@ namespace hoist::core {
 [[nodiscard]] inline bool motors_unpowered(const Estimate& sensed) noexcept {
   constexpr contract::Fault kFault = contract::Fault::emergency_stop;
   // Half of a discharged battery: no load sags that far. The drives switch themselves off at 19 V (SOURCES 2.2, H12).
-  constexpr double kGone_v = 12.0, kGood_v = 20.0;
+  constexpr double kGone_v = 12.0;
+  constexpr double kGood_v = 20.0;
   const auto gone = [](const DriveSensor& drive) {
     return drive.supply_known() && drive.supply_v() < threshold<kFault, "supply gone", Laxer::lower>(kGone_v);
   };
-  return !sensed.io.fresh().lost() && sensed.io.battery_known() &&
-         sensed.io.battery_a_v() + sensed.io.battery_b_v() > threshold<kFault, "batteries good">(kGood_v) && gone(sensed.left_drive) &&
-         gone(sensed.right_drive);
+  // Batteries that have not reported yet read 0 V: not good.
+  return !sensed.io.fresh().lost() && sensed.io.battery_a_v() + sensed.io.battery_b_v() > threshold<kFault, "batteries good">(kGood_v) &&
+         gone(sensed.left_drive) && gone(sensed.right_drive);
 }
 
 class EmergencyStopOpen {

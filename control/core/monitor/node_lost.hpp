@@ -2,6 +2,8 @@
 // watch over a stop go by them: H2, H8, H10); of the input node also the batteries' for kBatteryTicks (H12: a held voltage must not pass for
 // a charged battery). R2 within 60 ms.
 #pragma once
+#include <algorithm>
+
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
 
@@ -19,8 +21,7 @@ struct NodeLost {
     bool batteries_lost = false;
     if constexpr (kRow.io != nullptr) batteries_lost = view.sensed.io.battery_silent(hold<kFault, "batteries">(kBatteryTicks));
     auto age_ticks = view.sensed.heard(kNode).age_ticks();
-    if constexpr (kRow.yaw_bias_rad_s != nullptr)
-      if (view.sensed.base.rates_fresh().age_ticks() > age_ticks) age_ticks = view.sensed.base.rates_fresh().age_ticks();
+    if constexpr (kRow.yaw_bias_rad_s != nullptr) age_ticks = std::max(age_ticks, view.sensed.base.rates_fresh().age_ticks());
     // While the whole bus is down only bus_down is raised: one cause, one alarm.
     return view.mode != contract::Mode::init && view.bus_settled && (batteries_lost || age_ticks >= hold<kFault, "silence">(kLostTicks));
   }

@@ -5,7 +5,6 @@
 // has lost its zero. R2 as soon as they do. Sensors that send no rates are not judged so. A sensor that leans feels part of the hoist's turn
 // as pitch and roll; in a long bend that adds up like a lost zero, so the chassis' turn rate is taken off first.
 #pragma once
-#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -20,15 +19,15 @@ class TiltSensorFault {
   static constexpr contract::Fault kFault = contract::Fault::tilt_sensor_fault;
 
   bool check(const MonitorView& view) noexcept {
-    const bool left = bad(view.sensed.left_strut, bad_[0]);
-    const bool right = bad(view.sensed.right_strut, bad_[1]);
-    const bool base = bad(view.sensed.base, bad_[2]);
+    const bool left = bad(view.sensed.left_strut, left_.bad);
+    const bool right = bad(view.sensed.right_strut, right_.bad);
+    const bool base = bad(view.sensed.base, base_.bad);
     const double drift_rad = threshold<kFault, "drift">(view.params.drift_rad_max);
     const TiltSensor& chassis = view.sensed.base;
     const double turn_rad_s = chassis.rates_fresh().lost() ? 0.0 : chassis.yaw_rate_rad_s();
-    const bool left_drifts = drifts(view.sensed.left_strut, turn_rad_s, drifts_[0], drift_rad, view.dt_s);
-    const bool right_drifts = drifts(view.sensed.right_strut, turn_rad_s, drifts_[1], drift_rad, view.dt_s);
-    const bool base_drifts = drifts(view.sensed.base, turn_rad_s, drifts_[2], drift_rad, view.dt_s);
+    const bool left_drifts = drifts(view.sensed.left_strut, turn_rad_s, left_.drift, drift_rad, view.dt_s);
+    const bool right_drifts = drifts(view.sensed.right_strut, turn_rad_s, right_.drift, drift_rad, view.dt_s);
+    const bool base_drifts = drifts(view.sensed.base, turn_rad_s, base_.drift, drift_rad, view.dt_s);
     return view.mode != contract::Mode::init && (left || right || base || left_drifts || right_drifts || base_drifts);
   }
 
@@ -38,6 +37,10 @@ class TiltSensorFault {
 
   struct Drift {
     double pitch_rad = 0, roll_rad = 0;
+  };
+  struct Sensor {
+    Lasting bad;
+    Drift drift;
   };
   static constexpr double kDrift_s = 10.0;  // H8
 
@@ -60,14 +63,12 @@ class TiltSensorFault {
       return false;
     }
     const bool useless = !tilt.has(tilt_status::kValid) || tilt.has(tilt_status::kGyroSaturated);
-    const std::uint8_t limit_ticks = hold<kFault, "invalid">(kBadTicks);
     // Only a valid new sample ends it; invalid and repeated ones by turns do not.
-    if (useless || tilt.fresh().now()) held.step(useless, limit_ticks);
-    return tilt.has(tilt_status::kSelfTestFailed) || held.reached(limit_ticks);
+    if (useless || tilt.fresh().now()) held.step(useless, hold<kFault, "invalid">(kBadTicks));
+    return tilt.has(tilt_status::kSelfTestFailed) || held.reached(hold<kFault, "invalid">(kBadTicks));
   }
 
-  std::array<Lasting, 3> bad_{};
-  std::array<Drift, 3> drifts_{};
+  Sensor left_, right_, base_;
 };
 
 }  // namespace hoist::core

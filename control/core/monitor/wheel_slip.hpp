@@ -11,7 +11,7 @@ class WheelSlip {
 
   bool check(const MonitorView& view) noexcept {
     // With the drives off the hoist may be lifted, turned and carried.
-    if (!view.powered || !view.sensed.slipping()) return false;
+    if (!view.powered) return false;
     return view.sensed.fused.slip_ticks() * view.dt_s >= hold<kFault, "lasting">(view.params.slip_stop_s) - view.dt_s / 2;
   }
 };

@@ -1,0 +1,397 @@
+// The monitors of the tilt sensors and of the hanging patient against their rules (monitor_bench.hpp).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/safety/monitor_bench.hpp"
+
+namespace hoist::core::test {
+namespace {
+
+// ----- patient_hanging
+
+class HangingRule {
+ public:
+  HangingRule(int lean_ticks, int still_ticks) : lean_ticks_(lean_ticks), still_ticks_(still_ticks) {}
+
+  bool hangs(const MonitorBench& at, bool alarm) {
+    const auto mean_deg = [](double left_rad, double right_rad, double base_rad) {
+      return (left_rad + right_rad - 2 * base_rad) / 2 / kDeg;
+    };
+    const Estimate& sensed = at.sensed;
+    const double forward_deg = mean_deg(sensed.left_strut.alpha_rad(), sensed.right_strut.alpha_rad(), sensed.base.alpha_rad());
+    const double right_deg = mean_deg(sensed.left_strut.beta_rad(), sensed.right_strut.beta_rad(), sensed.base.beta_rad());
+    const double lean_deg = std::hypot(forward_deg, right_deg);
+    const int age =
+        std::max({sensed.left_strut.fresh().age_ticks(), sensed.right_strut.fresh().age_ticks(), sensed.base.fresh().age_ticks()});
+    const bool known = age < 3;
+    const bool stepped = known && swings_back(at.params.strut_length_m * right_deg * kDeg, at.params.hang_sway_m);
+    const bool rolling = std::fabs(sensed.odometry.speed_m_s) > at.params.hang_speed_m_s || at.held_back;
+    const bool empty = at.mode != Mode::user && lean_deg <= 3.0;
+    const bool waits = at.held_back && sensed.odometry.standing_still;
+    const double limit_deg = at.params.hang_tilt_rad / kDeg;
+    leans_.step(at.moving && known && lean_deg > limit_deg);
+    still_.step(at.moving && known && !empty && (waits || (rolling && !stepped)));
+    upright_s_ = !at.moving && known && lean_deg <= limit_deg / 2 ? upright_s_ + kTick_s : 0;
+    return (alarm && upright_s_ < 5) || leans_.ticks >= lean_ticks_ || still_.ticks >= still_ticks_;
+  }
+
+ private:
+  /// Back by so much from the farthest point of this swing; the next swing then begins.
+  bool swings_back(double side_m, double least_m) {
+    turn_m_ = to_right_ ? std::max(turn_m_, side_m) : std::min(turn_m_, side_m);
+    if (std::fabs(turn_m_ - side_m) < least_m) return false;
+    to_right_ = !to_right_;
+    turn_m_ = side_m;
+    return true;
+  }
+
+  int lean_ticks_, still_ticks_;
+  Streak leans_, still_;
+  double upright_s_ = 0, turn_m_ = 0;
+  bool to_right_ = true;
+};
+
+// Where the patient leans, how the harness sways, and what the sensors make of it.
+class SwayingPatient {
+ public:
+  explicit SwayingPatient(Random& random) : random_(random) {}
+
+  void step(MonitorBench& bench, bool upright) {
+    const double lean_deg = forward_deg_.step(), aside_deg = aside_deg_.step(), sway_deg = sway_deg_.step();
+    const double twist_deg = twist_deg_.step(), base_deg = base_deg_.step();
+    phase_ += 2 * std::numbers::pi / period_ticks_.step();
+    const double forward_deg = upright ? lean_deg / 3 : lean_deg;
+    const double right_deg = (upright ? aside_deg / 3 : aside_deg) + sway_deg * std::sin(phase_);
+    const double noise_deg = 0.001 * random_.below(10);
+    ++counter_;
+    angles(bench.sensed.left_strut, 0, {forward_deg + base_deg + twist_deg + noise_deg, right_deg - base_deg + twist_deg / 2});
+    angles(bench.sensed.right_strut, 1, {forward_deg + base_deg - twist_deg, right_deg - base_deg - twist_deg / 2});
+    angles(bench.sensed.base, 2, {base_deg, -base_deg});
+  }
+
+ private:
+  void angles(TiltSensor& sensor, std::size_t number, TiltSample sample) {
+    sensor.next_tick();
+    sample.counter = counter_;
+    if (silent_ticks_[number] == 0 && random_.once_in(2500)) silent_ticks_[number] = 1 + random_.below(12);
+    if (silent_ticks_[number] == 0) return send_angles(sensor, sample);
+    --silent_ticks_[number];
+  }
+
+  Random& random_;
+  Spells<double> forward_deg_{random_, 300, {0, 0, 2, 4, 7, 12, -4, -12}};
+  Spells<double> aside_deg_{random_, 400, {0, 0, 0, 2, -7.5}};
+  Spells<double> sway_deg_{random_, 500, {0, 0.1, 0.2, 0.35, 0.6}};
+  Spells<double> period_ticks_{random_, 500, {60, 120, 300}};
+  Spells<double> twist_deg_{random_, 200, {0, 5, -8}};
+  Spells<double> base_deg_{random_, 300, {0, 0, 1.5, -2}};
+  std::array<std::uint32_t, 3> silent_ticks_{};
+  double phase_ = 0;
+  std::uint8_t counter_ = 0;
+};
+
+TEST(HangingRule, H16EachStepOfARandomPatientIsJudgedByTheRule) {
+  int begun = 0, ended = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    MonitorBench bench;
+    const int lean_ticks = 60 + static_cast<int>(random.below(60)), still_ticks = 150 + static_cast<int>(random.below(50));
+    bench.params.hang_tilt_s = about_steps_s(random, lean_ticks);
+    bench.params.hang_still_s = about_steps_s(random, still_ticks);
+    PatientHanging monitor;
+    HangingRule rule(lean_ticks, still_ticks);
+    SwayingPatient patient(random);
+    Spells<Mode> mode(random, 600, {Mode::user, Mode::remote, Mode::guided});
+    Spells<bool> resting(random, 1200, {false, true}), moving(random, 700, {true, true, true, false}),
+        held_back(random, 400, {false, false, true});
+    Spells<double> speed_m_s(random, 400, {0.3, 0.15, -0.2, 0.06, 0, 0});
+    bool alarm = false;
+    for (int i = 0; i < 5000; ++i) {
+      SCOPED_TRACE(i);
+      const bool rests = resting.step();
+      patient.step(bench, rests);
+      bench.mode = mode.step();
+      bench.moving = moving.step() && !rests;
+      bench.held_back = held_back.step();
+      bench.sensed.odometry.speed_m_s = speed_m_s.step();
+      bench.sensed.odometry.standing_still = std::fabs(bench.sensed.odometry.speed_m_s) < kStandstill_m_s;
+      bench.latched = contract::fault_bit(Fault::io_lost) | (alarm ? contract::fault_bit(Fault::patient_hanging) : 0);
+      const bool expected = rule.hangs(bench, alarm);
+      ASSERT_EQ(monitor.check(bench.view()), expected);
+      begun += expected && !alarm ? 1 : 0;
+      ended += !expected && alarm ? 1 : 0;
+      alarm = expected && !random.once_in(2000);
+    }
+  }
+  EXPECT_GT(begun, 20);
+  EXPECT_GT(ended, 5);
+}
+
+// ----- tilt_sensor_fault
+
+class SensorFaultRule {
+ public:
+  /// `turn_deg_s`: of the chassis, as far as it is known.
+  bool faulty(const TiltSensor& tilt, const TiltSample& sent, double turn_deg_s, double limit_deg, const TiltRates* rates) {
+    if (rates != nullptr) {
+      pitch_deg_ += (rates->pitch_deg_s - turn_deg_s * std::sin(sent.beta_deg * kDeg)) * kTick_s;
+      roll_deg_ += (rates->roll_deg_s + turn_deg_s * std::sin(sent.alpha_deg * kDeg)) * kTick_s;
+    }
+    pitch_deg_ *= 0.999;  // a memory of ten seconds
+    roll_deg_ *= 0.999;
+    const bool drifts = std::max(std::fabs(pitch_deg_), std::fabs(roll_deg_)) > limit_deg;
+    if (tilt.heard().age_ticks() >= 5) {
+      bad_ticks_ = 0;
+      return drifts;
+    }
+    const bool useless = (sent.status & 1) == 0 || (sent.status & 8) != 0;
+    if (useless) {
+      bad_ticks_ = std::min(bad_ticks_ + 1, 5);
+    } else if (tilt.fresh().age_ticks() == 0) {
+      bad_ticks_ = 0;
+    }
+    return drifts || bad_ticks_ == 5 || (sent.status & 16) != 0;
+  }
+
+ private:
+  double pitch_deg_ = 0, roll_deg_ = 0;
+  int bad_ticks_ = 0;
+};
+
+// A tilt sensor that is silent, repeats itself, and marks its samples, for a while each.
+struct FitfulTilt {
+  explicit FitfulTilt(Random& random)
+      : silent(random, 9, {false, false, false, false, true}),
+        repeats(random, 8, {false, false, false, true}),
+        status(random, 8, {3, 3, 3, 3, 1, 2, 11, 7, 9}),
+        alpha_deg(random, 300, {0, 10, -8}),
+        beta_deg(random, 300, {0, 6, -5}) {}
+
+  /// One step of its angles; `sent` is the last frame that said anything.
+  void step(TiltSensor& sensor, bool self_test_failed, TiltZero zero) {
+    sensor.next_tick();
+    const TiltSample next{alpha_deg.step(), beta_deg.step(), static_cast<std::uint8_t>(status.step() | (self_test_failed ? 16 : 0)),
+                          static_cast<std::uint8_t>(sent.counter + (repeats.step() ? 0 : 1))};
+    if (silent.step()) return;
+    // Neither an invalid nor a repeated sample brings angles.
+    const bool fresh = (next.status & 1) != 0 && (next.counter != counter_taken || !known);
+    if (fresh) {
+      counter_taken = next.counter;
+      known = true;
+      sent = next;
+    }
+    sent.status = next.status;
+    sent.counter = next.counter;
+    send_angles(sensor, next, zero);
+  }
+
+  Spells<bool> silent, repeats;
+  Spells<std::uint8_t> status;
+  Spells<double> alpha_deg, beta_deg;
+  TiltSample sent{.status = 0};
+  std::uint8_t counter_taken = 0;
+  bool known = false;
+};
+
+TEST(SensorFaultRule, H8EachStepOfThreeRandomSensorsIsJudgedByTheRule) {
+  int found = 0;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    MonitorBench bench;
+    bench.params.drift_rad_max = 0.27;
+    TiltSensorFault monitor;
+    std::array<SensorFaultRule, 3> rules;
+    std::array<FitfulTilt, 3> tilts{FitfulTilt(random), FitfulTilt(random), FitfulTilt(random)};
+    const std::array sensors{&bench.sensed.left_strut, &bench.sensed.right_strut, &bench.sensed.base};
+    Spells<Mode> mode(random, 400, {Mode::user, Mode::remote, Mode::standby, Mode::init});
+    Spells<double> turn_deg_s(random, 300, {0, 0, 30, -34});
+    Spells<bool> turn_silent(random, 60, {false, false, true});
+    // Of one sensor only, so that each is found by itself.
+    Spells<double> pitch_deg_s(random, 300, {0, 0, 12, -12}), roll_deg_s(random, 300, {0, 0, 12, -12});
+    Spells<bool> sends_rates(random, 300, {true, true, true, false});
+    Spells<int> failed(random, 100, {-1, -1, -1, -1, -1, -1, 0, 1, 2});
+    const std::size_t drifting = seed % 3;
+    double turn_known_deg_s = 0;
+    for (int i = 0; i < 2000; ++i) {
+      SCOPED_TRACE(i);
+      bench.mode = mode.step();
+      const int fails = failed.step();
+      std::array<TiltRates, 3> rates{};
+      std::array<bool, 3> has_rates{};
+      rates[drifting] = {0, pitch_deg_s.step(), roll_deg_s.step()};
+      has_rates[drifting] = sends_rates.step();
+      rates[2].yaw_deg_s = turn_deg_s.step();
+      has_rates[2] = !turn_silent.step();
+      for (std::size_t k = 0; k < 3; ++k) {
+        // A zero that is taken off changes nothing here.
+        tilts[k].step(*sensors[k], fails == static_cast<int>(k), {0.05, -0.05});
+        if (has_rates[k]) send_rates(*sensors[k], rates[k]);
+      }
+      if (has_rates[2]) turn_known_deg_s = rates[2].yaw_deg_s;
+      const double turn = bench.sensed.base.rates_fresh().age_ticks() < 5 ? turn_known_deg_s : 0;
+      bool expected = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const bool bad = rules[k].faulty(*sensors[k], tilts[k].sent, turn, 0.27 / kDeg, has_rates[k] ? &rates[k] : nullptr);
+        expected = expected || bad;
+      }
+      expected = expected && bench.mode != Mode::init;
+      ASSERT_EQ(monitor.check(bench.view()), expected);
+      found += expected ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, 1000);
+}
+
+// ----- tilt_frozen
+
+class FrozenRule {
+ public:
+  bool frozen(const MonitorBench& at) {
+    const Estimate& s = at.sensed;
+    const std::array<double, 4> now{s.left_strut.alpha_rad(), s.right_strut.alpha_rad(), s.left_strut.beta_rad(), s.right_strut.beta_rad()};
+    const bool rolling = std::max(std::fabs(s.odometry.wheel_left_m_s), std::fabs(s.odometry.wheel_right_m_s)) > 0.1;
+    const bool both_new = s.left_strut.fresh().age_ticks() == 0 && s.right_strut.fresh().age_ticks() == 0;
+    equal_.step(now == before_ && rolling && both_new);
+    before_ = now;
+    bool stands = equal_.ticks >= 30;
+    for (const TiltSensor* tilt : {&s.left_strut, &s.right_strut, &s.base}) {
+      if (tilt->heard().age_ticks() >= 5) continue;
+      stands = stands || tilt->repeated_frames() >= 3 || (tilt->has(tilt_status::kValid) && tilt->same_rates() >= 20);
+    }
+    const int left = s.left_strut.lively_samples(), right = s.right_strut.lively_samples();
+    // Up to two lively samples of thirty are a stuck chip's; its twin has 15, and two more for each of those.
+    const auto glides = [](int own, int twin) { return (own == 0 && twin >= 15) || (own == 1 && twin >= 17) || (own == 2 && twin >= 19); };
+    if (rolling && both_new && (glides(left, right) || glides(right, left))) stands = true;
+    return stands && at.mode != Mode::init;
+  }
+
+ private:
+  std::array<double, 4> before_{};
+  Streak equal_;
+};
+
+// An angle that stands, changes its last digit, or changes its course in so many of a hundred samples.
+class Course {
+ public:
+  explicit Course(Random& random)
+      : random_(random), bends_percent_(random, 90, {0, 0, 3, 8, 50, 65, 95}), digit_(random, 50, {0, 0, 0, 1}) {}
+  double step_deg() {
+    const bool bends = random_.below(100) < bends_percent_.step();
+    if (bends) slope_ = slope_ > 0 ? -3 - static_cast<int>(random_.below(4)) : 3 + static_cast<int>(random_.below(4));
+    if (std::abs(at_) > 9000) slope_ = at_ > 0 ? -3 : 3;
+    at_ += slope_;
+    if (bends_percent_.step() == 0 && random_.once_in(30)) slope_ = 0;
+    flips_ = !flips_;
+    return (at_ + (flips_ ? digit_.step() : 0)) / 1000.0;
+  }
+
+ private:
+  Random& random_;
+  Spells<std::uint32_t> bends_percent_;
+  Spells<int> digit_;
+  int at_ = 0, slope_ = 0;
+  bool flips_ = false;
+};
+
+TEST(FrozenRule, H6EachStepOfThreeRandomSensorsIsJudgedByTheRule) {
+  int found = 0;
+  for (unsigned seed = 1; seed <= 80; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    MonitorBench bench;
+    TiltFrozen monitor;
+    FrozenRule rule;
+    const std::array sensors{&bench.sensed.left_strut, &bench.sensed.right_strut, &bench.sensed.base};
+    std::array<Course, 6> courses{Course(random), Course(random), Course(random), Course(random), Course(random), Course(random)};
+    const auto spells = [&random](std::uint32_t ticks, std::vector<bool> values) { return Spells<bool>(random, ticks, std::move(values)); };
+    std::array silent{spells(7, {false, false, false, false, false, false, false, false, true}),
+                      spells(7, {false, false, false, false, false, false, false, false, true}), spells(7, {false, false, false, true})};
+    std::array repeats{spells(6, {false, false, false, false, false, false, false, true}),
+                       spells(6, {false, false, false, false, false, false, false, true}), spells(6, {false, false, false, true})};
+    std::array same_rates{spells(30, {false, false, true}), spells(30, {false, false, true}), spells(30, {false, true})};
+    std::array status{Spells<std::uint8_t>(random, 80, {3, 3, 1}), Spells<std::uint8_t>(random, 80, {3, 3, 1, 2}),
+                      Spells<std::uint8_t>(random, 80, {3, 1, 2})};
+    // In some runs nothing is missing, so that the slow rules come to their end.
+    const bool steady = seed % 2 == 0;
+    // All angles of the struts stand for a while, but perhaps the last digit of one.
+    Spells<bool> stand(random, 90, {false, false, true});
+    Spells<std::size_t> still_moves(random, 45, {9, 9, 0, 1, 2, 3});
+    std::array<double, 6> angles_deg{};
+    std::array<std::uint8_t, 3> counters{};
+    Spells<Mode> mode(random, 300, {Mode::user, Mode::remote, Mode::init});
+    Spells<double> left_m_s(random, 120, {0.3, 0.12, 0.07, -0.15, 0}), right_m_s(random, 120, {0.3, 0.12, 0.07, -0.15, 0});
+    for (int i = 0; i < 1500; ++i) {
+      SCOPED_TRACE(i);
+      bench.mode = mode.step();
+      bench.sensed.odometry.wheel_left_m_s = left_m_s.step();
+      bench.sensed.odometry.wheel_right_m_s = right_m_s.step();
+      const bool stands = stand.step();
+      const std::size_t moves = still_moves.step();
+      for (std::size_t a = 0; a < 6; ++a) {
+        if (!stands) angles_deg[a] = courses[a].step_deg();
+        if (stands && a == moves) angles_deg[a] += i % 2 == 0 ? 0.001 : -0.001;
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        sensors[k]->next_tick();
+        const bool same = same_rates[k].step();
+        send_rates(*sensors[k], {same && !steady ? 0.0 : 0.01 * (i % 2), 0, 0});
+        const bool gone = silent[k].step(), again = repeats[k].step();
+        const std::uint8_t marks = status[k].step();
+        if (!steady && gone) continue;
+        if (steady || !again) ++counters[k];
+        send_angles(*sensors[k], {angles_deg[2 * k], angles_deg[2 * k + 1], steady ? std::uint8_t{3} : marks, counters[k]});
+      }
+      const bool expected = rule.frozen(bench);
+      ASSERT_EQ(monitor.check(bench.view()), expected);
+      found += expected ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, 1000);
+}
+
+// ----- base_tilt_high, base_tilted
+
+TEST(BaseTiltRule, H9EachStepOfARandomFloorIsJudgedByTheRule) {
+  int slopes = 0, steep = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    MonitorBench bench;
+    BaseTiltHigh high;
+    BaseTilted tilted;
+    Streak high_for, tilted_for;
+    Spells<double> alpha_deg(random, 25, {0, 3, 4.5, 5.2, 6, 7, -8.5}), beta_deg(random, 25, {0, 0, 2, -3, -5.5});
+    Spells<bool> silent(random, 12, {false, false, false, false, true});
+    Spells<Mode> mode(random, 300, {Mode::user, Mode::standby, Mode::init});
+    bool slow = false;
+    std::uint8_t counter = 0;
+    for (int i = 0; i < 1500; ++i) {
+      SCOPED_TRACE(i);
+      TiltSensor& base = bench.sensed.base;
+      base.next_tick();
+      const TiltSample sample{alpha_deg.step(), beta_deg.step(), 3, ++counter};
+      if (!silent.step()) send_angles(base, sample);
+      bench.mode = mode.step();
+      const double lean_deg = base.fresh().age_ticks() >= 5 ? 0 : std::hypot(base.alpha_rad(), base.beta_rad()) / kDeg;
+      // 5 degrees for 100 ms, and until one degree less; 8 degrees for 100 ms.
+      slow = high_for.step(lean_deg > (slow ? 4.0 : 5.0)) >= 10;
+      const bool stop = tilted_for.step(lean_deg > 8.0) >= 10, judged = bench.mode != Mode::init;
+      ASSERT_EQ(high.check(bench.view()), slow && judged);
+      ASSERT_EQ(tilted.check(bench.view()), stop && judged);
+      slopes += slow ? 1 : 0;
+      steep += stop ? 1 : 0;
+    }
+  }
+  EXPECT_GT(slopes, 100);
+  EXPECT_GT(steep, 100);
+}
+
+}  // namespace
+}  // namespace hoist::core::test
