@@ -1,6 +1,7 @@
 // H7: angles that this mechanism cannot have.
 //
-// tilt_rad_max, tilt_rate_rad_s_max and strut_twist_rad_max at once; strut_apart_rad_max for 100 ms. R2 within 100 ms.
+// tilt_rad_max, tilt_rate_rad_s_max and strut_twist_rad_max at once; strut_apart_rad_max for 100 ms. R2 within 100 ms. A strut that hangs still
+// beside one that swings (still_strut.hpp): R2 within 8 s of walking.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
+#include "control/core/monitor/still_strut.hpp"
 
 namespace hoist::core {
 
@@ -37,20 +39,26 @@ class TiltImplausible {
     const bool apart =
         beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
     const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kApartTicks));
-    code_ = twisted && !steep && !fast && !stay_apart ? kTwisted : std::uint16_t{0};
+    const Strut still = still_.step(view);
+    const bool beyond_limits = steep || fast || stay_apart;
+    code_ = beyond_limits           ? std::uint16_t{0}
+            : twisted               ? kTwisted
+            : still == Strut::left  ? kLeftStill
+            : still == Strut::right ? kRightStill
+                                    : std::uint16_t{0};
     if (view.mode == contract::Mode::init) return false;
     // A falling patient hits the mechanical stop, and every accelerometer shows the impact. The fall alarm covers that;
     // a sensor that is wrong is still wrong after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
-    return steep || fast || twisted || stay_apart;
+    return beyond_limits || twisted || still != Strut::none;
   }
-  /// Its detail code (HOIST_DETAIL): a twist alone is within what both struts can do, and a patient turns that far.
+  /// Its detail code (HOIST_DETAIL): a twist alone is within what both struts can do, and a patient turns that far; a strap comes off.
   [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
   static constexpr std::uint8_t kApartTicks = 10;
-  static constexpr std::uint16_t kTwisted = 1;
+  static constexpr std::uint16_t kTwisted = 1, kLeftStill = 2, kRightStill = 3;
   // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll:
   // yaw rate x alpha, which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second).
   // Left and right differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it
@@ -65,6 +73,7 @@ class TiltImplausible {
   double leak_rad_ = 0;  // the most that the turn of the last moments explains
   std::uint16_t code_ = 0;
   Lasting apart_;
+  StillStrut still_;
 };
 
 }  // namespace hoist::core

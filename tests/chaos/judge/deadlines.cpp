@@ -62,6 +62,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::invalid, "I1: invalid samples of a sensor are not found within 60 ms", 0.06 + kLook_s,
              any(HoistFault::tilt_sensor_fault), 1.0},
     RuleInfo{Rule::wrong_lean, "I1: led by a lean that is wrong by 5 degrees", 1.0 + kLook_s, 0, 0, true},
+    RuleInfo{Rule::half_led, "I1: a patient leads with one strap cut", 8.0 + kLook_s, any(HoistFault::tilt_implausible), 1.0, true},
     RuleInfo{Rule::touched, "I1: a bumper is not felt within 30 ms", 0.03 + kLook_s, any(HoistFault::bumper_pressed), 1.0},
     RuleInfo{Rule::falling, "I1: a fall is not found within 80 ms", 0.08 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
     RuleInfo{Rule::lying, "I1: a body in the stops is not found", 0.2 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
@@ -162,7 +163,7 @@ constexpr std::array kJudged{
     Judged{Kind::sill, "nothing of its own: every rule as without"},
     Judged{Kind::step_down, "nothing of its own: every rule as without"},
     Judged{Kind::wrong_part, "silent node; I7: no motion"},
-    Judged{Kind::strap_cut, "dragged; every rule of the wheels"},
+    Judged{Kind::strap_cut, "half led, dragged"},
     Judged{Kind::loose_strut, "every rule of the wheels"},
 };
 static_assert([] {
@@ -245,25 +246,13 @@ void Deadlines::see(const Truth& truth) {
     if (board_.shorted(drive) && plant.supply_v() > 1.0) short_s_ = seen_s_;
     if (board_.now(Kind::encoder_lost, drive) || board_.now(Kind::encoder_reversed, drive)) blind_s_ = seen_s_;
   }
-  // Sideways: a step swings the bar back by 8 mm and more.
-  const double out_m = to_left_ ? truth.side_m : -truth.side_m;
-  farthest_m_ = std::max(farthest_m_, out_m);
-  if (farthest_m_ - out_m > 0.004) {
-    to_left_ = !to_left_;
-    farthest_m_ = -out_m;
-    swung_s_ = seen_s_;
-  }
+  if (sways_.back(truth.side_m, 0.004)) swung_s_ = seen_s_;
   // Of a step the sensors' filter shows three quarters.
-  constexpr double kStep_m = 0.008, kStepless_s = 1.8;
-  const double stepped_m = step_left_ ? truth.side_m : -truth.side_m;
-  step_farthest_m_ = std::max(step_farthest_m_, stepped_m);
+  constexpr double kStep_m = 0.008, kWide_m = 0.020, kStepless_s = 1.8;
   drawn_s_ = std::fabs(truth.speed_m_s) > 0.09 ? drawn_s_ + kStep_s : 0;
   if (drawn_s_ > kStepless_s) stepless_s_ = seen_s_;
-  if (step_farthest_m_ - stepped_m > kStep_m) {
-    step_left_ = !step_left_;
-    step_farthest_m_ = -stepped_m;
-    drawn_s_ = 0;
-  }
+  if (steps_.back(truth.side_m, kStep_m)) drawn_s_ = 0;
+  if (wide_steps_.back(truth.side_m, kWide_m)) widely_s_ = seen_s_;
   const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
   if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
   // What a push left: it falls as the brakes slow a wheel, less what still pulls at it.
@@ -428,6 +417,9 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       const auto& base = ears_.tilt(Node::tilt_base);
       return std::fabs((left.forward_rad + right.forward_rad) / 2.0 - base.forward_rad - truth.forward_rad) > 5.0 * kDegree_rad;
     }
+    case Rule::half_led:
+      return mode == Mode::user && plant.strap_holds(sim::Side::left) != plant.strap_holds(sim::Side::right) && sensors_heard() &&
+             std::fabs(truth.speed_m_s) > 0.12 && seen_s_ - widely_s_ < 1.6;
     case Rule::touched:
       return (plant.bumpers() & ~acknowledged_bumpers_) != 0 && ears_.age(Node::io) <= 1;
     case Rule::falling:

@@ -2,6 +2,7 @@
 // the alarms that answer it and its time. They hold whether one fault is active or five; what cannot be seen is excused by numbers, and only for
 // as long as those numbers hold.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -34,6 +35,7 @@ enum class Rule : std::uint8_t {
   stuck,
   invalid,
   wrong_lean,
+  half_led,
   touched,
   falling,
   lying,
@@ -73,6 +75,23 @@ struct Judged {
   std::string_view by;
 };
 [[nodiscard]] const Judged& judged_by(Kind kind);
+
+/// Sees when something that swings has come back by some distance from where it was farthest out.
+class Swings {
+ public:
+  bool back(double left_m, double least_m) {
+    const double out_m = to_left_ ? left_m : -left_m;
+    farthest_m_ = std::max(farthest_m_, out_m);
+    if (farthest_m_ - out_m <= least_m) return false;
+    to_left_ = !to_left_;
+    farthest_m_ = -out_m;
+    return true;
+  }
+
+ private:
+  double farthest_m_ = 0;
+  bool to_left_ = true;
+};
 
 class Deadlines {
  public:
@@ -140,11 +159,10 @@ class Deadlines {
   double coast_m_s_ = 0;  // what a wheel may still turn after a push
   bool zero_off_ = false;
   bool throws_forward_ = false;
-  double farthest_m_ = 0, swung_s_ = 0;  // sideways sway of the bar
-  bool to_left_ = true;
-  // The same with swings of a step, while it rolls. The alarm's own limits are 6 mm, 2 s and 0.1 m/s.
-  double step_farthest_m_ = 0, drawn_s_ = 0, stepless_s_ = -100;
-  bool step_left_ = true;
+  Swings sways_, steps_, wide_steps_;  // of the bar sideways
+  double swung_s_ = 0, widely_s_ = -100;
+  // Rolling without a step. The alarm's own limits are 6 mm, 2 s and 0.1 m/s.
+  double drawn_s_ = 0, stepless_s_ = -100;
   double follow_s_ = 0;  // how long both drives have followed
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};

@@ -299,6 +299,16 @@ export const faultDetails: readonly FaultDetail[] = [
     action: { en: 'Turn the patient straight, then release the stop.', de: 'Patienten gerade stellen, dann Halt freigeben.' },
   },
   {
+    fault: 'tilt_implausible', code: 0x0002, name: 'left_strut_still',
+    text: { en: 'The left strut does not move with the patient', de: 'Die linke Strebe geht nicht mit dem Patienten mit' },
+    action: { en: 'Hold the patient, check strap and joint on the left, then release the stop.', de: 'Patienten sichern, Gurt und Gelenk links prüfen, dann Halt freigeben.' },
+  },
+  {
+    fault: 'tilt_implausible', code: 0x0003, name: 'right_strut_still',
+    text: { en: 'The right strut does not move with the patient', de: 'Die rechte Strebe geht nicht mit dem Patienten mit' },
+    action: { en: 'Hold the patient, check strap and joint on the right, then release the stop.', de: 'Patienten sichern, Gurt und Gelenk rechts prüfen, dann Halt freigeben.' },
+  },
+  {
     fault: 'overspeed', code: 0x0001, name: 'wheel_held_back',
     text: { en: 'Something holds a wheel back', de: 'Etwas hält ein Rad zurück' },
     action: { en: 'Move what blocks it (sill, cable, foot), then release the stop.', de: 'Hindernis entfernen (Schwelle, Kabel, Fuß), dann Halt freigeben.' },
