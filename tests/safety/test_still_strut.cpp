@@ -18,8 +18,8 @@ struct Swing {
   double mean = 0, square = 0;
   void begin(double at) { mean = at, square = 0; }
   void go_on(double at) {
-    mean += (at - mean) / 200;
-    square += ((at - mean) * (at - mean) - square) / 100;
+    mean += (at - mean) / 201;
+    square += ((at - mean) * (at - mean) - square) / 101;
   }
 };
 

@@ -1,14 +1,16 @@
 // H7, part of tilt_implausible: the patient leads, and one strut hangs still beside one that swings.
 //
-// Both struts carry one rigid bar, so with every step they swing sideways alike. A strut whose strap is cut, or that has come off its joint, springs
-// upright: mean lean and turn then tell half of what the patient does, and a fall shows as half of one. In USER, faster than 0.1 m/s: one whose mean
-// square is below a tenth of its twin's, which swings by 0.5 degrees or more, for 1.5 s. R2 within 8 s of walking; a patient who does not sway
-// shows nothing.
+// Both struts carry one rigid bar, so with every step they swing sideways alike. A strut whose strap is cut, or that has come off its joint,
+// springs upright: mean lean and turn then tell half of what the patient does, and a fall shows as half of one. In USER, faster than 0.1 m/s:
+// one whose mean square is below a tenth of its twin's, which swings by 0.5 degrees or more, for 1.5 s. R2 within 8 s of walking; a patient who
+// does not sway shows nothing.
 #pragma once
+#include <cmath>
 #include <cstdint>
 
 #include "control/core/base/lasting.hpp"
 #include "control/core/base/mutation.hpp"
+#include "control/core/law/low_pass.hpp"
 #include "control/core/monitor/monitor.hpp"
 
 namespace hoist::core {
@@ -26,8 +28,8 @@ class StillStrut {
         view.mode == contract::Mode::user && !(std::fabs(sensed.odometry.speed_m_s) <= threshold<kFault, "still_rolling">(kRolling_m_s));
     const law::StrutAngles<double> struts = sensed.relative();
     if (!rolling || sensed.tilts_stale()) {
-      left_ = {struts.beta_left_rad, 0};
-      right_ = {struts.beta_right_rad, 0};
+      left_.begin(struts.beta_left_rad);
+      right_.begin(struts.beta_right_rad);
     }
     left_.step(struts.beta_left_rad, view.dt_s);
     right_.step(struts.beta_right_rad, view.dt_s);
@@ -40,23 +42,26 @@ class StillStrut {
 
  private:
   struct Swing {
-    double mean_rad = 0, square_rad2 = 0;
+    law::LowPassState<double> mean_rad{}, square_rad2{};
+    void begin(double beta_rad) noexcept {
+      mean_rad = {beta_rad};
+      square_rad2 = {};
+    }
     void step(double beta_rad, double dt_s) noexcept {
-      mean_rad += (beta_rad - mean_rad) * dt_s / kMean_s;
-      const double out_rad = beta_rad - mean_rad;
-      square_rad2 += (out_rad * out_rad - square_rad2) * dt_s / kSquare_s;
+      const double out_rad = beta_rad - law::low_pass_step(kMean_s, mean_rad, beta_rad, dt_s);
+      law::low_pass_step(kSquare_s, square_rad2, out_rad * out_rad, dt_s);
     }
     [[nodiscard]] bool still_beside(const Swing& twin, double swing_rad) const noexcept {
-      return twin.square_rad2 > swing_rad * swing_rad &&
-             square_rad2 < threshold<kFault, "still_share", Laxer::lower>(kShare) * twin.square_rad2;
+      return twin.square_rad2.value > swing_rad * swing_rad &&
+             square_rad2.value < threshold<kFault, "still_share", Laxer::lower>(kShare) * twin.square_rad2.value;
     }
   };
 
   static constexpr double kRolling_m_s = 0.1;
   static constexpr double kMean_s = 2.0, kSquare_s = 1.0;  // a stride takes 0.9 to 1.7 s
   static constexpr double kSwing_rad = 0.0087266;          // 0.5 degrees
-  // Of the mean squares: a third of the swing. In a turn a strut that leans shows a swing of its own (tilt_implausible.hpp, kLeak_s): at 0.3 healthy
-  // walks were stopped, once in two hours. DECISIONS.md, 159.
+  // Of the mean squares: a third of the swing. In a turn a strut that leans shows a swing of its own (tilt_implausible.hpp, kLeak_s), which at 0.3
+  // stopped healthy walks. DECISIONS.md, 159.
   static constexpr double kShare = 0.1;
   static constexpr std::uint16_t kTicks = 150;
 
