@@ -300,13 +300,13 @@ export const faultDetails: readonly FaultDetail[] = [
   },
   {
     fault: 'tilt_implausible', code: 0x0002, name: 'left_strut_still',
-    text: { en: 'The left strut does not move with the patient', de: 'Die linke Strebe geht nicht mit dem Patienten mit' },
-    action: { en: 'Hold the patient, check strap and joint on the left, then release the stop.', de: 'Patienten sichern, Gurt und Gelenk links prüfen, dann Halt freigeben.' },
+    text: { en: 'Left strap or strut loose', de: 'Gurt oder Strebe links lose' },
+    action: { en: 'Hold the patient, check both, then release the stop.', de: 'Patienten sichern, beide prüfen, dann Halt freigeben.' },
   },
   {
     fault: 'tilt_implausible', code: 0x0003, name: 'right_strut_still',
-    text: { en: 'The right strut does not move with the patient', de: 'Die rechte Strebe geht nicht mit dem Patienten mit' },
-    action: { en: 'Hold the patient, check strap and joint on the right, then release the stop.', de: 'Patienten sichern, Gurt und Gelenk rechts prüfen, dann Halt freigeben.' },
+    text: { en: 'Right strap or strut loose', de: 'Gurt oder Strebe rechts lose' },
+    action: { en: 'Hold the patient, check both, then release the stop.', de: 'Patienten sichern, beide prüfen, dann Halt freigeben.' },
   },
   {
     fault: 'overspeed', code: 0x0001, name: 'wheel_held_back',
