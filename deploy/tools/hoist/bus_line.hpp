@@ -37,7 +37,8 @@ class BusLine {
   [[nodiscard]] bool run();
 
   std::unique_ptr<bus::CanPort> port_;
-  bus::SdoClient client_;
+  // A person waits, and not all computers are idle: five times the patience of the control core, whose steps a late answer must not hold up.
+  bus::SdoClient client_{contract::SdoTiming{.answer_ns = 500'000'000}};
   std::array<contract::CanFrame, 256> frames_{};
   bool gone_ = false;
   std::uint64_t opened_ns_ = 0;
