@@ -84,8 +84,8 @@ class TiltNode {
   }
 
   [[nodiscard]] const Stack& stack() const { return stack_; }
-  [[nodiscard]] float alpha_rad() const { return axes_[0].state.angle_rad; }
-  [[nodiscard]] float beta_rad() const { return axes_[1].state.angle_rad; }
+  [[nodiscard]] float alpha_rad() const { return axes_[0].angle_rad(); }
+  [[nodiscard]] float beta_rad() const { return axes_[1].angle_rad(); }
 
  private:
   friend Stack;
@@ -98,7 +98,9 @@ class TiltNode {
     float angle_sum_rad = 0;
     std::array<float, 3> block_angle_rad{}, block_turned{};  // sums over the blocks of the long window; turned: as Sway::turned
     float rest_bias_rad_s = 0;                               // as measured in the still start
-    float disagreement_rad = 0;                              // of gravity from the filter, low-passed
+    float disagreement_rad = 0;                              // of gravity from the angle, low-passed
+    /// As sent: the paper's filter, less what the hoist's turn put into it.
+    [[nodiscard]] float angle_rad() const { return state.angle_rad - turn.angle_rad; }
   };
   struct Window {
     std::uint32_t samples = 0;
@@ -251,13 +253,13 @@ class TiltNode {
 
   // H8: a gyroscope whose bias has jumped disagrees with gravity. The hoist's own motion stays below the limits: braking with 1.5 m/s2
   // looks like 8.7 degrees of lean, but for less than half a second (DECISIONS.md, 23). The bias learnt from a turn is known and subtracted
-  // (28); an angle that is wrong by so much is still invalid.
+  // (46).
   void doubt(const law::AccAngles<float>& gravity, float dt_s) {
     bool zero_lost = false;
     const float angles_rad[2] = {gravity.alpha_rad, gravity.beta_rad};
     for (std::size_t i = 0; i < 2; ++i) {
       Axis& axis = axes_[i];
-      axis.disagreement_rad += (angles_rad[i] - axis.state.angle_rad - axis.disagreement_rad) * kDisagreementRate_per_s * dt_s;
+      axis.disagreement_rad += (angles_rad[i] - axis.angle_rad() - axis.disagreement_rad) * kDisagreementRate_per_s * dt_s;
       zero_lost = zero_lost || above(axis.disagreement_rad, kDisagreement_rad) ||
                   above(axis.state.bias_rad_s - axis.turn.bias_rad_s - axis.rest_bias_rad_s, kBiasChange_rad_s);
     }
@@ -285,12 +287,12 @@ class TiltNode {
     return true;
   }
 
-  // A leaning sensor measures part of the hoist's turn as pitch and roll. The filter is linear: a second one, fed with that part alone and
-  // zero gravity angle, holds its share in the first.
+  // A leaning sensor measures part of the hoist's turn as pitch and roll, which the paper's filter, slow to trust gravity, holds as an angle: 3
+  // degrees aside at 10 degrees forward and 20 degrees a second. The filter is linear: a second one, fed with that part alone and zero gravity
+  // angle, holds its share in the first.
   void follow_turn(float yaw_rate_rad_s, bool begins, float dt_s) {
     const float yaw_rad_s = std::clamp(yaw_rate_rad_s - yaw_bias_rad_s_, -kTurnMax_rad_s, kTurnMax_rad_s);
-    const float felt_rad_s[2] = {yaw_rad_s * (axes_[1].state.angle_rad - axes_[1].turn.angle_rad),
-                                 -yaw_rad_s * (axes_[0].state.angle_rad - axes_[0].turn.angle_rad)};
+    const float felt_rad_s[2] = {yaw_rad_s * axes_[1].angle_rad(), -yaw_rad_s * axes_[0].angle_rad()};
     for (std::size_t i = 0; i < 2; ++i) {
       law::TiltState<float>& turn = axes_[i].turn;
       // An unusable state restarts at zero: the bias is then checked without correction.
@@ -418,8 +420,8 @@ class TiltNode {
     constexpr float kCentiDegrees = 5729.57795F;
     auto& values = stack_.values();
     const law::TiltState<float>&alpha = axes_[0].state, &beta = axes_[1].state;
-    values.template set<0x6010>(to_integer<std::int16_t>(alpha.angle_rad * kMilliDegrees));
-    values.template set<0x6020>(to_integer<std::int16_t>(beta.angle_rad * kMilliDegrees));
+    values.template set<0x6010>(to_integer<std::int16_t>(alpha_rad() * kMilliDegrees));
+    values.template set<0x6020>(to_integer<std::int16_t>(beta_rad() * kMilliDegrees));
     values.template set<0x2101, 1>(alpha.bias_rad_s);
     values.template set<0x2101, 2>(beta.bias_rad_s);
     values.template set<0x2110, 1>(to_integer<std::int16_t>((s.yaw_rate_rad_s - yaw_bias_rad_s_) * kCentiDegrees));
