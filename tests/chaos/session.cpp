@@ -637,7 +637,7 @@ class Session {
     sim::World& world = loop_.world();
     const auto cut = [&](sim::Side side) { return !world.plant().strap_holds(side); };
     if (board_.now(Kind::strap_cut) || (!cut(sim::Side::left) && !cut(sim::Side::right))) return;
-    if (world.drives_enabled() || std::fabs(world.plant().platform().speed_m_s) > 0.01) return;
+    if (moves(loop_.mode()) || std::fabs(world.plant().platform().speed_m_s) > 0.01) return;
     for (const sim::Side side : {sim::Side::left, sim::Side::right})
       if (cut(side)) world.plant().cut_strap(side, false);
     world.patient().stand_in_the_middle();

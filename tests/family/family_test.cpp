@@ -67,12 +67,26 @@ TEST(Family, AFaintIsFoundInTime) {
   }
 }
 
-// In a turn the tilt filter shows a swing of its own, which looks like a last step.
-TEST(Family, WhoSinksStraightDownIsFoundAndALateAlarmIsSeenAsLate) {
-  const FallResult found = fall(healthy(Mode::user, 0.0), FallKind::faint_down);
-  EXPECT_EQ(found.end, FallEnd::late);
-  EXPECT_GT(found.found_s, found.owed_by_s);
-  EXPECT_LT(found.found_s, found.owed_by_s + 1.0);
+// Also in turns and when another one leads. A few are late, since the filter glides back after the last step; a lax guard is seen as late.
+TEST(Family, WhoSinksStraightDownIsFoundInTimeAndALateAlarmIsSeenAsLate) {
+  int in_time = 0, all = 0;
+  for (const sim::FamilyMember& member : sim::kPatientFamily) {
+    for (const Mode mode : {Mode::user, Mode::remote, Mode::guided}) {
+      const FallResult found = fall({&member, mode, 3, 0.0, {}}, FallKind::faint_down);
+      ++all;
+      if (found.end != FallEnd::late) {
+        ++in_time;
+        continue;
+      }
+      EXPECT_LT(found.found_s, found.owed_by_s + 2.0) << member.name << " in mode " << static_cast<int>(mode);
+    }
+  }
+  EXPECT_GE(in_time, all * 9 / 10) << "of " << all;
+  WalkOptions options = healthy(Mode::user, 0.0);
+  options.params = lax_guards();
+  const FallResult late = fall(options, FallKind::faint_down);
+  EXPECT_EQ(late.end, FallEnd::late);
+  EXPECT_GT(late.found_s, late.owed_by_s);
 }
 
 TEST(Family, ATighterThresholdStopsMoreAndFindsMore) {

@@ -1,9 +1,9 @@
-// H7, part of tilt_implausible: the patient leads, and one strut hangs still beside one that swings.
+// H7, part of tilt_implausible: one strut hangs still beside one that swings.
 //
 // Both struts carry one rigid bar, so with every step they swing sideways alike. A strut whose strap is cut, or that has come off its joint,
-// springs upright: mean lean and turn then tell half of what the patient does, and a fall shows as half of one. In USER, faster than 0.1 m/s:
-// one whose mean square is below a tenth of its twin's, which swings by 0.5 degrees or more, for 1.5 s. R2 within 8 s of walking; a patient who
-// does not sway shows nothing.
+// springs upright: mean lean and turn then tell half of what the patient does, and a fall shows as half of one. In every motion faster than 0.1
+// m/s: one whose mean square is below a tenth of its twin's, which swings by 0.5 degrees or more, for 1.5 s. R2 within 8 s of walking; a patient
+// who does not sway shows nothing.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -24,8 +24,7 @@ class StillStrut {
   /// One step: the strut that has hung still for long enough.
   Strut step(const MonitorView& view) noexcept {
     const Estimate& sensed = view.sensed;
-    const bool rolling =
-        view.mode == contract::Mode::user && !(std::fabs(sensed.odometry.speed_m_s) <= threshold<kFault, "still_rolling">(kRolling_m_s));
+    const bool rolling = view.moving && !(std::fabs(sensed.odometry.speed_m_s) <= threshold<kFault, "still_rolling">(kRolling_m_s));
     const law::StrutAngles<double> struts = sensed.relative();
     if (!rolling || sensed.tilts_stale()) {
       left_.begin(struts.beta_left_rad);
@@ -60,8 +59,7 @@ class StillStrut {
   static constexpr double kRolling_m_s = 0.1;
   static constexpr double kMean_s = 2.0, kSquare_s = 1.0;  // a stride takes 0.9 to 1.7 s
   static constexpr double kSwing_rad = 0.0087266;          // 0.5 degrees
-  // Of the mean squares: a third of the swing. In a turn a strut that leans shows a swing of its own (tilt_implausible.hpp, kLeak_s), which at 0.3
-  // stopped healthy walks. DECISIONS.md, 159.
+  // Of the mean squares: a third of the swing. DECISIONS.md, 159.
   static constexpr double kShare = 0.1;
   static constexpr std::uint16_t kTicks = 150;
 

@@ -30,14 +30,7 @@ class TiltImplausible {
         too_fast(sensed.left_strut, rate_rad_s) || too_fast(sensed.right_strut, rate_rad_s) || too_fast(sensed.base, rate_rad_s);
     const bool twisted =
         beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
-    // Without a reported turn rate nothing is explained by a turn.
-    const double yaw_rate_rad_s = sensed.base.rates_fresh().lost() ? 0.0 : sensed.base.yaw_rate_rad_s();
-    const double leak_rad = threshold<kFault, "leak">(kLeak_s) *
-                            std::fabs(yaw_rate_rad_s * (sensed.left_strut.sent_alpha_rad() - sensed.right_strut.sent_alpha_rad()));
-    leak_rad_ -= leak_rad_ * view.dt_s / kLeakFade_s;
-    if (leak_rad > leak_rad_) leak_rad_ = leak_rad;
-    const bool apart =
-        beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max) + leak_rad_);
+    const bool apart = beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max));
     const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kApartTicks));
     const Strut still = still_.step(view);
     const bool beyond_limits = steep || fast || stay_apart;
@@ -59,18 +52,12 @@ class TiltImplausible {
   // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
   static constexpr std::uint8_t kApartTicks = 10;
   static constexpr std::uint16_t kTwisted = 1, kLeftStill = 2, kRightStill = 3;
-  // A sensor that leans forward by alpha, mounting included, and turns with its strut about the upright feels part of the turn as a roll:
-  // yaw rate x alpha, which its filter, slow to trust gravity, holds for about this long (measured 0.79 degrees for each degree per second).
-  // Left and right differ by what they lean differently, and in a tight turn that is what the patient does. It fades more slowly than it
-  // came: what the filter took for a bias in a long turn has to be unlearnt.
-  static constexpr double kLeak_s = 0.8, kLeakFade_s = 1.6;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
   [[nodiscard]] static bool too_fast(const TiltSensor& tilt, double limit_rad_s) noexcept {
     return tilt.fresh().now() && (beyond(tilt.alpha_rate_rad_s(), limit_rad_s) || beyond(tilt.beta_rate_rad_s(), limit_rad_s));
   }
 
-  double leak_rad_ = 0;  // the most that the turn of the last moments explains
   std::uint16_t code_ = 0;
   Lasting apart_;
   StillStrut still_;

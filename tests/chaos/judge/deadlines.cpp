@@ -15,6 +15,7 @@ using contract::Node;
 using HoistFault = contract::Fault;
 
 constexpr double kStep_s = 0.01;
+constexpr double kRolls_m_s = 0.12;  // the core's rules begin at 0.1 m/s
 constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 // One step passes between a cause and the next look at it.
 constexpr double kLook_s = 0.011;
@@ -62,15 +63,14 @@ constexpr std::array kRules{
     RuleInfo{Rule::invalid, "I1: invalid samples of a sensor are not found within 60 ms", 0.06 + kLook_s,
              any(HoistFault::tilt_sensor_fault), 1.0},
     RuleInfo{Rule::wrong_lean, "I1: led by a lean that is wrong by 5 degrees", 1.0 + kLook_s, 0, 0, true},
-    RuleInfo{Rule::half_led, "I1: a patient leads with one strap cut", 8.0 + kLook_s, any(HoistFault::tilt_implausible), 1.0, true},
+    RuleInfo{Rule::half_led, "I1: a patient walks with one strap cut", 8.0 + kLook_s, any(HoistFault::tilt_implausible), 1.0, true},
     RuleInfo{Rule::touched, "I1: a bumper is not felt within 30 ms", 0.03 + kLook_s, any(HoistFault::bumper_pressed), 1.0},
     RuleInfo{Rule::falling, "I1: a fall is not found within 80 ms", 0.08 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
     RuleInfo{Rule::lying, "I1: a body in the stops is not found", 0.2 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
     RuleInfo{Rule::leaning, "I1: a patient who hangs leaning is not found within 2.6 s", 2.6 + kLook_s,
              any(HoistFault::patient_hanging, HoistFault::fall_detected), 0.5},
-    // 2.6 s after the last swing that the sensors show. A body that goes limp swings back, and in a turn the filter shows a swing of its own,
-    // up to a stride later: seed 5318 of 25 s, 3.2 s.
-    RuleInfo{Rule::dragged, "I1: a patient who is dragged without a step is not found within 3.6 s", 3.6 + kLook_s,
+    // 2.6 s after the last swing that the sensors show. A body that goes limp swings back.
+    RuleInfo{Rule::dragged, "I1: a patient who is dragged without a step is not found within 3.0 s", 3.0 + kLook_s,
              any(HoistFault::patient_hanging, HoistFault::fall_detected), 0.5},
     RuleInfo{Rule::empty, "I1: empty batteries are not found within 2 s", 0.5 + kLook_s, any(HoistFault::battery_empty), 0.5},
     RuleInfo{Rule::weak, "I1: low batteries are not told of within 2 s", 0.5 + kLook_s, any(HoistFault::battery_low)},
@@ -246,13 +246,15 @@ void Deadlines::see(const Truth& truth) {
     if (board_.shorted(drive) && plant.supply_v() > 1.0) short_s_ = seen_s_;
     if (board_.now(Kind::encoder_lost, drive) || board_.now(Kind::encoder_reversed, drive)) blind_s_ = seen_s_;
   }
-  if (sways_.back(truth.side_m, 0.004)) swung_s_ = seen_s_;
-  // Of a step the sensors' filter shows three quarters.
-  constexpr double kStep_m = 0.008, kWide_m = 0.020, kStepless_s = 1.8;
+  constexpr double kAnyTime_s = 100.0;
+  if (sways_.back(truth.side_m, 0.004, kAnyTime_s)) swung_s_ = seen_s_;
+  // Of a step the sensors' filter shows three quarters; what takes longer than half a stride is no step.
+  constexpr double kStep_m = 0.008, kWide_m = 0.020, kStepless_s = 1.8, kHalfStride_s = 1.2;
   drawn_s_ = std::fabs(truth.speed_m_s) > 0.09 ? drawn_s_ + kStep_s : 0;
   if (drawn_s_ > kStepless_s) stepless_s_ = seen_s_;
-  if (steps_.back(truth.side_m, kStep_m)) drawn_s_ = 0;
-  if (wide_steps_.back(truth.side_m, kWide_m)) widely_s_ = seen_s_;
+  // Of the same step the sensors may show enough as soon as it turns.
+  if (steps_.back(truth.side_m, kStep_m, kHalfStride_s)) drawn_s_ = std::min(drawn_s_, steps_.took_s());
+  if (wide_steps_.back(truth.side_m, kWide_m, kAnyTime_s)) widely_s_ = seen_s_;
   const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
   if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
   // What a push left: it falls as the brakes slow a wheel, less what still pulls at it.
@@ -404,7 +406,7 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       return far(Node::tilt_left) || far(Node::tilt_right);
     }
     case Rule::stuck:
-      return moving && std::fabs(truth.wheel_m_s[0]) > 0.12 && std::fabs(truth.wheel_m_s[1]) > 0.12 && sensors_heard() &&
+      return moving && std::fabs(truth.wheel_m_s[0]) > kRolls_m_s && std::fabs(truth.wheel_m_s[1]) > kRolls_m_s && sensors_heard() &&
              any_tilt([&](Node node) { return stuck(node); });
     case Rule::invalid:
       return any_tilt([&](Node node) { return ears_.age(node) <= 1 && !ears_.tilt(node).valid; });
@@ -412,13 +414,16 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       // A gyroscope whose zero is off by 9 degrees a second is found within 2.0 s, by 7 within 5.2 s, by 6 within 6.1 s (H8 asks for 1 s).
       constexpr double kZeroFound_s = 6.2;
       if (!moving || !sensors_heard() || seen_s_ - zero_s_ < kZeroFound_s) return false;
+      // A sensor that repeats itself is told from one that is still by rolling: rule `stuck`.
+      const bool slow = std::fabs(truth.wheel_m_s[0]) <= kRolls_m_s || std::fabs(truth.wheel_m_s[1]) <= kRolls_m_s;
+      if (slow && any_tilt([&](Node node) { return stuck(node); })) return false;
       const auto& left = ears_.tilt(Node::tilt_left);
       const auto& right = ears_.tilt(Node::tilt_right);
       const auto& base = ears_.tilt(Node::tilt_base);
       return std::fabs((left.forward_rad + right.forward_rad) / 2.0 - base.forward_rad - truth.forward_rad) > 5.0 * kDegree_rad;
     }
     case Rule::half_led:
-      return mode == Mode::user && plant.strap_holds(sim::Side::left) != plant.strap_holds(sim::Side::right) && sensors_heard() &&
+      return moving && plant.strap_holds(sim::Side::left) != plant.strap_holds(sim::Side::right) && sensors_heard() &&
              std::fabs(truth.speed_m_s) > 0.12 && seen_s_ - widely_s_ < 1.6;
     case Rule::touched:
       return (plant.bumpers() & ~acknowledged_bumpers_) != 0 && ears_.age(Node::io) <= 1;
@@ -429,7 +434,9 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
     case Rule::leaning:
       return moving && truth.lean_rad > 11.5 * kDegree_rad && lean_told_rightly();
     case Rule::dragged:
-      return mode == Mode::user && std::fabs(truth.speed_m_s) > 0.12 && seen_s_ - swung_s_ > 0.05 && lean_told_rightly();
+      // A hoist that is led by another may be empty, and an empty one does not lean.
+      return (mode == Mode::user || (moving && truth.lean_rad > 4.0 * kDegree_rad)) && std::fabs(truth.speed_m_s) > 0.12 &&
+             seen_s_ - swung_s_ > 0.05 && lean_told_rightly();
     case Rule::empty:
       return battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps;
     case Rule::weak:

@@ -76,20 +76,24 @@ struct Judged {
 };
 [[nodiscard]] const Judged& judged_by(Kind kind);
 
-/// Sees when something that swings has come back by some distance from where it was farthest out.
+/// Sees when something that swings has come back by some distance from where it was farthest out, within some time.
 class Swings {
  public:
-  bool back(double left_m, double least_m) {
+  bool back(double left_m, double least_m, double within_s) {
     const double out_m = to_left_ ? left_m : -left_m;
-    farthest_m_ = std::max(farthest_m_, out_m);
+    since_s_ += 0.01;
+    if (out_m > farthest_m_ || since_s_ > within_s) farthest_m_ = out_m, since_s_ = 0;
     if (farthest_m_ - out_m <= least_m) return false;
     to_left_ = !to_left_;
-    farthest_m_ = -out_m;
+    took_s_ = since_s_;
+    farthest_m_ = -out_m, since_s_ = 0;
     return true;
   }
+  /// From where it was farthest out until it had come back, the last time.
+  [[nodiscard]] double took_s() const { return took_s_; }
 
  private:
-  double farthest_m_ = 0;
+  double farthest_m_ = 0, since_s_ = 0, took_s_ = 0;
   bool to_left_ = true;
 };
 
