@@ -1,18 +1,18 @@
-# Two ways to compile less, for g++ alone; clang-tidy and the builds with sanitizers take each source by itself, so each still includes what it uses.
-#   Headers that many sources of a target include are compiled once: the standard library's and those of Debian packages. Never a header of this
-#   tree, because a changed header must not rebuild everything. g++ 12 then gives some warnings about std::string falsely.
-#   Several sources of a target are compiled as one: each would instantiate the same templates of those packages again, which is half the time.
-option(HOIST_PRECOMPILE "precompiled headers, and several sources as one" ON)
-if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR HOIST_SANITIZE)
-  set(HOIST_PRECOMPILE OFF)
-endif()
-if(HOIST_PRECOMPILE)
+# Two ways to compile less. clang-tidy looks at each source by itself (-DHOIST_JOIN=OFF), so each still includes what it uses.
+#   Several sources of a target are compiled as one: each would instantiate the same templates of Debian's packages again, which is half the time,
+#   and under the sanitizers more.
+#   With g++, headers that many sources of a target include are compiled once: the standard library's and those of Debian packages. Never a header
+#   of this tree, because a changed header must not rebuild everything. g++ 12 then gives some warnings about std::string falsely.
+option(HOIST_JOIN "several sources as one, and with g++ precompiled headers" ON)
+set(HOIST_PRECOMPILE OFF)
+if(HOIST_JOIN AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(HOIST_PRECOMPILE ON)
   add_compile_options(-fpch-preprocess)  # ccache asks for it
 endif()
 # hoist_join(TARGET [ALONE FILES…]): FILES have private names that other sources of the target have, too. What replaces operator new is alone in
 # every target.
 function(hoist_join target)
-  if(HOIST_PRECOMPILE)
+  if(HOIST_JOIN)
     cmake_parse_arguments(arg "" "" "ALONE" ${ARGN})
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
     set_source_files_properties(${arg_ALONE} ${CMAKE_SOURCE_DIR}/control/run/heap_watch.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -50,7 +50,7 @@ run_clang_tidy() {
   local folder=$1/tidy sources total looked=0 failed=0 end=$((SECONDS + tidy_time_s)) batch jobs
   export -f tidy_one
   # clang cannot read g++'s precompiled headers, and looks at each source by itself.
-  cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DHOIST_PRECOMPILE=OFF >"$1/tidy.log" 2>&1 || {
+  cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DHOIST_JOIN=OFF >"$1/tidy.log" 2>&1 || {
     cat "$1/tidy.log"
     return 1
   }

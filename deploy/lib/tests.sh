@@ -109,26 +109,40 @@ run_browser_tests() {
   fi
 }
 
-# run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
-# run beside the others and each other; their output is shown when they end. Not beside the suite that walks in the guest: a browser is a session
-# of its own, and the kernel shares the processors among sessions before it looks at priorities.
-run_suites() {
-  local results=$1 filter=$2 browser
-  {
-    until [ -e "$results/gtest/vcan_core.xml" ] || [ -e "$results/ctest.ended" ]; do sleep 1; done
-    run_web_tests "$results" "$filter" >"$results/unit.log" 2>&1 &
-    run_browser_tests "$results" "$filter"
-    wait
-    cat "$results/unit.log"
-  } >"$results/web.log" 2>&1 &
-  browser=$!
+# begin_beside LOG COMMAND...: runs it beside what follows; end_beside waits for it, shows its output and gives its status.
+begin_beside() {
+  beside_log=$1
+  shift
+  "$@" >"$beside_log" 2>&1 &
+  beside=$!
   # A background job of a script does not get Ctrl-C from the terminal.
-  trap 'pkill -P "$browser"; kill "$browser"; exit 130' INT TERM
+  trap 'pkill -P "$beside"; kill "$beside"; exit 130' INT TERM
+}
+end_beside() {
+  local status=0
+  wait "$beside" || status=$?
+  trap - INT TERM
+  cat "$beside_log" >&2
+  return "$status"
+}
+
+# run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
+# run beside the others and each other. Not beside the suite that walks in the guest: a browser is a session of its own, and the kernel shares the
+# processors among sessions before it looks at priorities.
+run_console_suites() {
+  local results=$1 filter=$2
+  until [ -e "$results/gtest/vcan_core.xml" ] || [ -e "$results/ctest.ended" ]; do sleep 1; done
+  run_web_tests "$results" "$filter" >"$results/unit.log" 2>&1 &
+  run_browser_tests "$results" "$filter"
+  wait
+  cat "$results/unit.log"
+}
+run_suites() {
+  local results=$1 filter=$2
+  begin_beside "$results/web.log" run_console_suites "$results" "$filter"
   run_ctest build "$results" "$filter"
   : >"$results/ctest.ended"
-  wait "$browser" || record_step "$results" failed web "the tests of the console ended badly"
-  trap - INT TERM
-  cat "$results/web.log" >&2
+  end_beside || record_step "$results" failed web "the tests of the console ended badly"
 }
 
 # tally RESULTS...: names failures and skips, prints the closing line, and is the verb's exit code.

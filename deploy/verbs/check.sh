@@ -9,18 +9,28 @@ source deploy/lib/tests.sh
 source deploy/lib/lint.sh
 
 common_options check "$@"
-setup build test firmware check
 static=$(new_results static)
 sanitized=$(new_results sanitize)
 threads=$(new_results thread)
 normal=$(new_results tests)
+
+# timed NAME COMMAND...: how long each part takes is told at the end, so that one that grows is seen before CI's limit ends them all.
+timed() {
+  local name=$1 begun=$SECONDS status=0
+  shift
+  "$@" || status=$?
+  printf '%6d s  %s\n' $((SECONDS - begun)) "$name" >>"$static/took.txt"
+  return "$status"
+}
+
+timed "packages" setup build test firmware check
 
 # step NAME COMMAND...: one static check; its output is shown when it fails.
 step() {
   local name=$1 log=$static/step.log
   shift
   say "checking: $name"
-  if "$@" >"$log" 2>&1; then
+  if timed "$name" "$@" >"$log" 2>&1; then
     record_step "$static" passed "$name"
   else
     cat "$log"
@@ -48,7 +58,7 @@ else
   record_step "$static" skipped "console: ESLint and Prettier" "$(no_node_reason)"
 fi
 
-build_normal all proofs hoist-bench
+timed "build" build_normal all proofs hoist-bench
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
 if command -v clang-tidy >/dev/null; then
   step "clang-tidy" run_clang_tidy build
@@ -59,19 +69,22 @@ else
 fi
 build_web
 
-# The tests of the normal build first: they find most, and soonest.
-# One after the other: with the long tests in full, browser and console beside them starve the suites in real time.
-HOIST_THOROUGH=yes HOIST_PROOFS=yes run_ctest build "$normal" .
-run_web_tests "$normal" .
-run_browser_tests "$normal" .
+# The tests of the normal build first: they find most, and soonest. With the long tests in full, a browser beside them starves the suites in real
+# time; it does not mind what computes.
+HOIST_THOROUGH=yes HOIST_PROOFS=yes timed "C++ tests" run_ctest build "$normal" .
+timed "console's unit tests" run_web_tests "$normal" .
+begin_beside "$normal/e2e.log" timed "browser tests" run_browser_tests "$normal" .
 step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
-step "chaos: 2000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 2000
-build_normal core_mutants
+step "chaos: 1000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 1000
+timed "build of the mutants" build_normal core_mutants
+end_beside || record_step "$normal" failed e2e "the browser tests ended badly"
 step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
-if build_sanitized all proofs; then
-  HOIST_PROOFS=yes run_ctest build/sanitize "$sanitized" .
+if timed "build with AddressSanitizer" build_sanitized all proofs; then
+  HOIST_PROOFS=yes timed "C++ tests with AddressSanitizer" run_ctest build/sanitize "$sanitized" .
 else
   record_step "$static" failed "sanitized build" "see above"
 fi
-run_thread_tests "$threads"
+timed "ThreadSanitizer" run_thread_tests "$threads"
+say "it took:"
+sort -rn "$static/took.txt" >&2
 tally "$static" "$normal" "$sanitized" "$threads"
