@@ -231,6 +231,8 @@ void Deadlines::see(const Truth& truth) {
   }
   if (truth.hardest_n > kHeld_n) pushed_s_ = seen_s_;
   if (truth.touches) touch_s_ = seen_s_;
+  const bool hands = plant.shove().forward_n != 0.0 || plant.shove().turn_n_m != 0.0;
+  if (std::exchange(hands_, hands) && !hands) let_go_s_ = seen_s_;
   if (truth.lean_rad > 8.0 * kDegree_rad) leant_s_ = seen_s_;
   if (truth.chassis_rad > 4.0 * kDegree_rad) sloped_s_ = seen_s_;
   // Half the difference of the struts; the alarm's limit is 25 degrees between them.
@@ -545,7 +547,7 @@ bool Deadlines::beyond_the_hoist(const Truth& truth) const {
   return dragged(truth) || seen_s_ - short_s_ < kRunaway_s || seen_s_ - blind_s_ < 0.7 || seen_s_ - frozen_s_ < 0.7;
 }
 
-bool Deadlines::comes_free() const { return seen_s_ - blocked_s_ < kRollsOut_s; }
+bool Deadlines::comes_free() const { return seen_s_ - std::max(blocked_s_, let_go_s_) < kRollsOut_s; }
 
 bool Deadlines::explained(HoistFault cause) const {
   constexpr double kLately_s = 5.0;

@@ -124,7 +124,7 @@ class Deadlines {
   /// A wheel turns although nothing of the hoist can hold it: by a force above what brakes or servo give, by a bridge that is shorted, or by a
   /// drive whose encoder or processor has just failed. `resting`: the drives may be off.
   [[nodiscard]] bool beyond_the_hoist(const Truth& truth) const;
-  /// A wheel is held by something, or was until just now: its drive pulls at it and gives way only then.
+  /// A wheel is held by something, or was until just now, or hands that pushed the hoist let it go: its drive pulls at it and gives way only then.
   [[nodiscard]] bool comes_free() const;
   /// Whether the true state explains a stop for this alarm: each limit a tenth laxer than the alarm's own.
   [[nodiscard]] bool explained(contract::Fault cause) const;
@@ -158,6 +158,8 @@ class Deadlines {
   // Memories of the truth.
   std::array<double, 2> battery_v_{};  // both together, and their difference: over a second
   bool battery_known_ = false;
+  double let_go_s_ = -100;
+  bool hands_ = false;  // push now
   double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
          leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
   double coast_m_s_ = 0;  // what a wheel may still turn after a push
