@@ -112,7 +112,8 @@ void expect_found(const Subject& subject, const Fitted& found, Score& score) {
     if (!value.told()) continue;
     ++score.told;
     score.within += off <= 2.0 * value.spread ? 1 : 0;
-    EXPECT_LE(off, std::max(bound.most, 3.0 * value.spread)) << subject.name << " " << subject.seed << ": " << bound.name;
+    // Forty values are told here: one of them is 3 spreads off by chance now and then, none 4.
+    EXPECT_LE(off, std::max(bound.most, 4.0 * value.spread)) << subject.name << " " << subject.seed << ": " << bound.name;
   }
 }
 
