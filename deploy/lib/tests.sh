@@ -115,13 +115,14 @@ begin_beside() {
   shift
   "$@" >"$beside_log" 2>&1 &
   beside=$!
-  # A background job of a script does not get Ctrl-C from the terminal.
-  trap 'pkill -P "$beside"; kill "$beside"; exit 130' INT TERM
+  # A background job of a script does not get Ctrl-C from the terminal, and outlives a script that gives up.
+  trap 'pkill -P "$beside"; kill "$beside"' EXIT
+  trap 'exit 130' INT TERM
 }
 end_beside() {
   local status=0
   wait "$beside" || status=$?
-  trap - INT TERM
+  trap - EXIT INT TERM
   cat "$beside_log" >&2
   return "$status"
 }

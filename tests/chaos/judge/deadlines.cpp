@@ -248,15 +248,14 @@ void Deadlines::see(const Truth& truth) {
     if (board_.shorted(drive) && plant.supply_v() > 1.0) short_s_ = seen_s_;
     if (board_.now(Kind::encoder_lost, drive) || board_.now(Kind::encoder_reversed, drive)) blind_s_ = seen_s_;
   }
-  constexpr double kAnyTime_s = 100.0;
-  if (sways_.back(truth.side_m, 0.004, kAnyTime_s)) swung_s_ = seen_s_;
+  if (sways_.back(truth.side_m, 0.004)) swung_s_ = seen_s_;
   // Of a step the sensors' filter shows three quarters; what takes longer than half a stride is no step.
   constexpr double kStep_m = 0.008, kWide_m = 0.020, kStepless_s = 1.8, kHalfStride_s = 1.2;
   drawn_s_ = std::fabs(truth.speed_m_s) > 0.09 ? drawn_s_ + kStep_s : 0;
   if (drawn_s_ > kStepless_s) stepless_s_ = seen_s_;
   // Of the same step the sensors may show enough as soon as it turns.
   if (steps_.back(truth.side_m, kStep_m, kHalfStride_s)) drawn_s_ = std::min(drawn_s_, steps_.took_s());
-  if (wide_steps_.back(truth.side_m, kWide_m, kAnyTime_s)) widely_s_ = seen_s_;
+  if (wide_steps_.back(truth.side_m, kWide_m)) widely_s_ = seen_s_;
   const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
   if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
   // What a push left: it falls as the brakes slow a wheel, less what still pulls at it.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "control/contract/faults.hpp"
@@ -79,9 +80,9 @@ struct Judged {
 /// Sees when something that swings has come back by some distance from where it was farthest out, within some time.
 class Swings {
  public:
-  bool back(double left_m, double least_m, double within_s) {
+  bool back(double left_m, double least_m, double within_s = std::numeric_limits<double>::infinity()) {
     const double out_m = to_left_ ? left_m : -left_m;
-    since_s_ += 0.01;
+    since_s_ += 0.01;  // of a control step
     if (out_m > farthest_m_ || since_s_ > within_s) farthest_m_ = out_m, since_s_ = 0;
     if (farthest_m_ - out_m <= least_m) return false;
     to_left_ = !to_left_;
@@ -158,10 +159,9 @@ class Deadlines {
   // Memories of the truth.
   std::array<double, 2> battery_v_{};  // both together, and their difference: over a second
   bool battery_known_ = false;
-  double let_go_s_ = -100;
   bool hands_ = false;  // push now
   double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
-         leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100;
+         leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100, let_go_s_ = -100;
   double coast_m_s_ = 0;  // what a wheel may still turn after a push
   bool zero_off_ = false;
   bool throws_forward_ = false;

@@ -112,7 +112,7 @@ void expect_found(const Subject& subject, const Fitted& found, Score& score) {
     if (!value.told()) continue;
     ++score.told;
     score.within += off <= 2.0 * value.spread ? 1 : 0;
-    // Forty values are told here: one of them is 3 spreads off by chance now and then, none 4.
+    // Forty values are told here: by chance one of them may be 3 spreads off.
     EXPECT_LE(off, std::max(bound.most, 4.0 * value.spread)) << subject.name << " " << subject.seed << ": " << bound.name;
   }
 }
