@@ -45,5 +45,7 @@ export default defineConfig({
     globalSetup: ['test-support/build.ts'],
     environment: 'node',
     testTimeout: 60_000,
+    // They wait for pages more than they compute; usual is one less than there are processors.
+    maxWorkers: '100%',
   },
 });

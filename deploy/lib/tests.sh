@@ -26,8 +26,9 @@ run_ctest() {
   shift 3
   [ -z "${HOIST_PROOFS:-}" ] || proofs=()
   say "running the C++ tests of $folder/"
-  # The chains of suites of real programs (tests/system) wait more than they compute; one job more starves the guest of the longest of them.
-  jobs=$(($(build_jobs) + 3))
+  # A program that computes takes two places, one that waits takes one: the four chains of suites of real programs (tests/system) and the parts of a
+  # program (hoist_add_test). More that computes would starve the guest of the longest chain.
+  jobs=$((2 * $(build_jobs) + 5))
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
@@ -54,7 +55,7 @@ run_thread_tests() {
   # clang 14's runtime exits at once where the kernel randomises addresses by more bits than it supports.
   if setarch -R true 2>/dev/null; then fixed=(setarch -R); fi
   filter=$(IFS='|' && echo "${thread_targets[*]}")
-  run_ctest build/thread "$results" "^($filter)\$" "${fixed[@]}"
+  run_ctest build/thread "$results" "^($filter)(_[0-9]+)?\$" "${fixed[@]}"
 }
 
 # judge_mutants PROGRAM OPTION...: its mutants by its tests (tests/mutants/verdict.py); build it before.
@@ -89,7 +90,7 @@ run_browser_tests() {
     record_step "$results" skipped e2e "tests/web/run.mjs is not in this tree"
     return 0
   fi
-  if ! command -v chromium >/dev/null; then
+  if ! command -v chromium-headless-shell >/dev/null && ! command -v chromium >/dev/null; then
     record_step "$results" skipped e2e "no chromium on this machine"
     return 0
   fi
@@ -127,20 +128,24 @@ end_beside() {
   return "$status"
 }
 
-# run_suites RESULTS FILTER: every suite of the normal build. The browser tests wait more than they compute, so they and the console's unit tests
-# run beside the others and each other. Not beside the suite that walks in the guest: a browser is a session of its own, and the kernel shares the
-# processors among sessions before it looks at priorities.
+# run_console_suites RESULTS FILTER: the browser tests and the console's unit tests wait more than they compute, so they run beside each other and
+# beside what computes.
 run_console_suites() {
   local results=$1 filter=$2
-  until [ -e "$results/gtest/vcan_core.xml" ] || [ -e "$results/ctest.ended" ]; do sleep 1; done
   run_web_tests "$results" "$filter" >"$results/unit.log" 2>&1 &
   run_browser_tests "$results" "$filter"
   wait
   cat "$results/unit.log"
 }
+# run_suites RESULTS FILTER: every suite of the normal build. Those of the console not beside the longest two that walk in real time: a browser is a
+# session of its own, and the kernel shares the processors among sessions before it looks at priorities.
+run_console_after_real_time() {
+  until { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; } || [ -e "$1/ctest.ended" ]; do sleep 1; done
+  run_console_suites "$@"
+}
 run_suites() {
   local results=$1 filter=$2
-  begin_beside "$results/web.log" run_console_suites "$results" "$filter"
+  begin_beside "$results/web.log" run_console_after_real_time "$results" "$filter"
   run_ctest build "$results" "$filter"
   : >"$results/ctest.ended"
   end_beside || record_step "$results" failed web "the tests of the console ended badly"

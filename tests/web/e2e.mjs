@@ -1,12 +1,13 @@
 // The console in headless Chromium with the real hoist-server, hoist-control and hoist-sim.
 //
-//   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--only TEXT] [--shots DIR] [--list]
+//   node tests/web/e2e.mjs [--bin build/bin] [--web web/dist] [--json FILE] [--part 1|2] [--only TEXT] [--shots DIR] [--list]
 //
 // The hoist's motion is read from the simulator, never from the page. Prints `N passed, N failed, N skipped`.
 import { existsSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { browserProgram, drawLess } from '../../web/test-support/headless.mjs';
 import { assert, sleep, Stack, until } from './stack.mjs';
 
 const top = fileURLToPath(new URL('../..', import.meta.url));
@@ -15,9 +16,10 @@ const bin = resolve(option('bin', join(top, 'build/bin')));
 const web = resolve(option('web', join(top, 'web/dist')));
 const report = option('json');
 const only = option('only', '');
+const part = Number(option('part', '0')); // 0: all
+const secondPartFrom = 'Exercises: the hoist goes one metre';
 const shots = option('shots');
 const programs = ['hoist-sim', 'hoist-control', 'hoist-server'];
-const chromiumPath = [process.env.CHROME_PATH, '/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => path && existsSync(path));
 
 /** One lap of the eight with c = 1 m, R = 0.8 m: four straights of 0.6 m and two arcs. */
 const lap_m = 4 * 0.6 + 2 * 0.8 * (Math.PI + 2 * Math.asin(0.8));
@@ -1012,9 +1014,9 @@ const cases = {
   },
 
   async 'the page had nothing to complain about'() {
-    const all = [...pageErrors, ...complaints];
+    const said = [...pageErrors, ...complaints];
     // What it complained about earlier is not this moment's fault.
-    if (all.length > 0) throw new Unexcused(all.slice(0, 5).join('\n'));
+    if (said.length > 0) throw new Unexcused(said.slice(0, 5).join('\n'));
   },
 };
 
@@ -1026,7 +1028,13 @@ if (process.argv.includes('--list')) {
 
 const tests = [];
 const of = (status) => tests.filter((one) => one.status === status);
-const names = Object.keys(cases).filter((name) => name.includes(only));
+const all = Object.keys(cases);
+const signsIn = all[0], complains = all.at(-1);
+// What looks at the recorded walk stands before this case; each part signs in and ends with the complaints.
+const secondPart = all.findIndex((name) => name.startsWith(secondPartFrom));
+assert(secondPart > 0, `no case begins with "${secondPartFrom}"`);
+const inPart = (name, i) => part === 0 || name === signsIn || name === complains || (i < secondPart) === (part === 1);
+const names = all.filter((name, i) => inPart(name, i) && name.includes(only));
 const skipAll = (reason) => names.forEach((name) => tests.push({ name, status: 'skipped', reason }));
 /** Null, or the failure. */
 async function attempt(name) {
@@ -1065,7 +1073,7 @@ async function recover() {
 const missing = programs.filter((name) => !existsSync(join(bin, name)));
 if (missing.length > 0) skipAll(`${missing.join(', ')} not in ${bin}`);
 else if (!existsSync(join(web, 'index.html'))) skipAll(`no built console in ${web}`);
-else if (chromiumPath === undefined) skipAll('no chromium on this machine');
+else if (browserProgram === undefined) skipAll('no chromium on this machine');
 else {
   const { chromium } = createRequire(join(top, 'web/package.json'))('playwright-core');
   if (shots) mkdirSync(shots, { recursive: true });
@@ -1076,15 +1084,15 @@ else {
   try {
     await stack.start();
     browser = await chromium.launch({
-      executablePath: stack.politely(chromiumPath),
+      executablePath: stack.politely(browserProgram),
       args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
     });
     context = await browser.newContext({ viewport: { width: 1280, height: 800 }, locale: 'en-GB', acceptDownloads: true });
     await context.exposeBinding('hoistTestLate', (_, gap_ms) => void lateTurns_ms.push(gap_ms));
     await context.addInitScript(watchTurns, { late_ms: browserLate_ms, loading_ms });
+    await context.addInitScript(drawLess);
     // Every run signs in first, also for a single case.
-    const signIn = Object.keys(cases)[0];
-    if (!names.includes(signIn)) names.unshift(signIn);
+    if (!names.includes(signsIn)) names.unshift(signsIn);
     for (const name of names) {
       const began = performance.now();
       let failure = null;

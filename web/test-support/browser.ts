@@ -2,6 +2,7 @@
 import { chromium, type Browser, type Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, inject } from 'vitest';
 import { startFakeServer, type FakeServer } from './fake_server.mjs';
+import { browserProgram, drawLess } from './headless.mjs';
 
 /** A browser starts within this time also on a busy machine. */
 export const minutes_ms = 120_000;
@@ -15,9 +16,15 @@ export interface BuiltConsole {
 
 export async function openBuiltConsole(): Promise<BuiltConsole> {
   const browser = await chromium.launch({
-    executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
+    executablePath: browserProgram,
     args: ['--no-sandbox', '--disable-gpu', '--no-first-run'],
   });
+  const newPage = browser.newPage.bind(browser);
+  browser.newPage = async (options) => {
+    const page = await newPage(options);
+    await page.addInitScript(drawLess);
+    return page;
+  };
   return { folder: inject('console'), browser, close: () => browser.close() };
 }
 

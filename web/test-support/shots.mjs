@@ -3,13 +3,14 @@ import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 import { startFakeServer } from './fake_server.mjs';
+import { browserProgram } from './headless.mjs';
 
 const out = process.argv[2];
 const sizes = { '1280x800': [1280, 800], '1024x768': [1024, 768], '390x844': [390, 844] };
 const wanted = process.argv.slice(3);
 mkdirSync(out, { recursive: true });
 const browser = await chromium.launch({
-  executablePath: process.env.CHROME_PATH ?? '/usr/bin/chromium',
+  executablePath: browserProgram,
   args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
 for (const [size, [width, height]] of Object.entries(sizes)) {

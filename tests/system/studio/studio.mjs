@@ -8,6 +8,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { extname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { browserProgram } from '../../../web/test-support/headless.mjs';
 import { assert, sleep, Stack, until } from '../../web/stack.mjs';
 
 const here = fileURLToPath(new URL('.', import.meta.url));
@@ -15,7 +16,6 @@ const top = resolve(here, '../../..');
 const option = (name, fallback) => (process.argv.includes(`--${name}`) ? process.argv[process.argv.indexOf(`--${name}`) + 1] : fallback);
 const bin = resolve(option('bin', join(top, 'build/bin')));
 const shots = option('shots');
-const chromiumPath = [process.env.CHROME_PATH, '/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => path && existsSync(path));
 const modules = join(here, 'node_modules');
 /** Studio draws with software here, and its bundle is 30 MB of script. */
 const slow_ms = 90_000;
@@ -173,7 +173,7 @@ async function main() {
   const missing = ['hoist-sim', 'hoist-control', 'hoist-server'].filter((name) => !existsSync(join(bin, name)));
   let reason = null;
   if (missing.length > 0) reason = `${missing.join(', ')} not in ${bin}`;
-  else if (chromiumPath === undefined) reason = 'no chromium on this machine';
+  else if (browserProgram === undefined) reason = 'no chromium on this machine';
   else if (!existsSync(join(modules, 'react'))) reason = 'npm ci has not run in tests/system/studio';
   if (reason !== null) {
     console.log(`skipped  Studio: ${reason}\n0 passed, 0 failed, 1 skipped`);
@@ -190,7 +190,7 @@ async function main() {
     await stack.start();
     assert((await stack.rest('PUT', '/tools', { enabled: true })).status === 200, 'the tools stay closed');
     browser = await chromium.launch({
-      executablePath: stack.politely(chromiumPath),
+      executablePath: stack.politely(browserProgram),
       // A page that the test itself delivers comes from no known network: Chromium would keep it from the hoist.
       args: [
         '--no-sandbox',

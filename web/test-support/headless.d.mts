@@ -1,0 +1,2 @@
+export const browserProgram: string | undefined;
+export function drawLess(): void;
