@@ -75,6 +75,22 @@ TEST_F(Tally, ACaseIsCountedOnceHoweverManyReportsTellIt) {
   EXPECT_NE(not_run.output.find("test_y: ended without a report"), std::string::npos);
 }
 
+// A program run in parts, each with a report.
+TEST_F(Tally, APartThatCrashesIsAFailureAlsoWhenTheOthersPass) {
+  write_ctest(R"(<testcase name="test_x" status="run"></testcase><testcase name="test_x_1" status="run"></testcase>)");
+  const std::string other = R"(<testcase name="b" status="run" result="completed" classname="S" />)";
+  write_program("test_x", kPassed);
+  write_program("test_x_1", other);
+  EXPECT_EQ(count().last_line(), "2 passed, 0 failed, 0 skipped");
+  std::filesystem::remove(folder_ / "gtest/test_x_1.xml");
+  for (const char* status : {R"("fail")", R"("notrun")"}) {
+    write_ctest(std::string(R"(<testcase name="test_x" status="run"></testcase><testcase name="test_x_1" status=)") + status +
+                "></testcase>");
+    EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped") << status;
+    EXPECT_NE(count().output.find("test_x_1: "), std::string::npos) << status;
+  }
+}
+
 TEST_F(Tally, NothingRunIsAFailure) {
   const auto outcome = count();
   EXPECT_EQ(outcome.last_line(), "0 passed, 0 failed, 0 skipped");

@@ -244,10 +244,9 @@ TEST_F(Limits, ASlowHeaderIsCutOff_H31) {
   EXPECT_NE(answer.find("/problems/too-slow"), std::string::npos) << answer;
   EXPECT_TRUE(slow.closed());
   EXPECT_EQ(get("/api/v1/status").json()["counters"]["connections_timed_out"], 1);
-  Raw body(port_);
+  Raw body(port_), silent(port_);
   ASSERT_TRUE(body.send("POST /api/v1/stop HTTP/1.1\r\n" + host() + "Content-Length: 5\r\n\r\n12"));
   EXPECT_TRUE(body.read_to_end(20000).starts_with("HTTP/1.1 408"));
-  Raw silent(port_);
   EXPECT_EQ(silent.read_to_end(20000), "") << "who asked nothing is told nothing";
   EXPECT_TRUE(silent.closed());
 }
