@@ -144,6 +144,7 @@ std::string Database::file_id() const {
 }
 
 namespace {
+constexpr int kFunctionFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
 // code_has(code, part): whether a patient code contains this part, capital or small. For our own statements, never for a file's schema.
 void add_code_has(sqlite3* handle) {
   const auto call = [](sqlite3_context* context, int, sqlite3_value** values) {
@@ -153,8 +154,7 @@ void add_code_has(sqlite3* handle) {
     };
     sqlite3_result_int(context, text(values[0]).find(text(values[1])) != std::string::npos ? 1 : 0);
   };
-  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
-  const int code = sqlite3_create_function(handle, "code_has", 2, kFlags, nullptr, call, nullptr, nullptr);
+  const int code = sqlite3_create_function(handle, "code_has", 2, kFunctionFlags, nullptr, call, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, code, "adding code_has()");
 }
 // code_same(code, other): whether both mean the same patient (patient_code.hpp).
@@ -166,8 +166,7 @@ void add_code_same(sqlite3* handle) {
     };
     sqlite3_result_int(context, same_code(text(values[0]), text(values[1])) ? 1 : 0);
   };
-  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
-  const int code = sqlite3_create_function(handle, "code_same", 2, kFlags, nullptr, call, nullptr, nullptr);
+  const int code = sqlite3_create_function(handle, "code_same", 2, kFunctionFlags, nullptr, call, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, code, "adding code_same()");
 }
 // hash_text(text): names a layout of columns; for the migration.
@@ -176,8 +175,7 @@ void add_hash_text(sqlite3* handle) {
     const auto* bytes = reinterpret_cast<const char*>(sqlite3_value_text(values[0]));
     sqlite3_result_int64(context, hash_text({bytes == nullptr ? "" : bytes, static_cast<std::size_t>(sqlite3_value_bytes(values[0]))}));
   };
-  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY;
-  const int code = sqlite3_create_function(handle, "hash_text", 1, kFlags, nullptr, call, nullptr, nullptr);
+  const int code = sqlite3_create_function(handle, "hash_text", 1, kFunctionFlags, nullptr, call, nullptr, nullptr);
   if (code != SQLITE_OK) throw_sql(handle, code, "adding hash_text()");
 }
 }  // namespace

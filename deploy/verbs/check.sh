@@ -58,7 +58,7 @@ else
   record_step "$static" skipped "console: ESLint and Prettier" "$(no_node_reason)"
 fi
 
-timed "build" build_normal all proofs hoist-bench
+timed "build" build_normal all proofs hoist-bench core_mutants
 step "generated files (deploy/dev gen mends them)" build/bin/hoist-gen --top "$PWD" --check
 if command -v clang-tidy >/dev/null; then
   step "clang-tidy" run_clang_tidy build
@@ -72,18 +72,13 @@ build_web
 # The tests of the normal build first: they find most, and soonest. With the long tests in full, a browser beside them starves the suites in real
 # time; it does not mind what computes.
 HOIST_THOROUGH=yes HOIST_PROOFS=yes timed "C++ tests" run_ctest build "$normal" .
-timed "console's unit tests" run_web_tests "$normal" .
-begin_beside "$normal/e2e.log" timed "browser tests" run_browser_tests "$normal" .
+begin_beside "$normal/web.log" timed "tests of the console" run_console_suites "$normal" .
 step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
 step "chaos: 1000 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 1000
-timed "build of the mutants" build_normal core_mutants
-end_beside || record_step "$normal" failed e2e "the browser tests ended badly"
 step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
-if timed "build with AddressSanitizer" build_sanitized all proofs; then
-  HOIST_PROOFS=yes timed "C++ tests with AddressSanitizer" run_ctest build/sanitize "$sanitized" .
-else
-  record_step "$static" failed "sanitized build" "see above"
-fi
+timed "build with AddressSanitizer" build_sanitized all proofs || record_step "$static" failed "sanitized build" "see above"
+end_beside || record_step "$normal" failed web "the tests of the console ended badly"
+HOIST_PROOFS=yes timed "C++ tests with AddressSanitizer" run_ctest build/sanitize "$sanitized" .
 timed "ThreadSanitizer" run_thread_tests "$threads"
 say "it took:"
 sort -rn "$static/took.txt" >&2
