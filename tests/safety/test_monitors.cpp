@@ -683,10 +683,10 @@ TEST(Monitors, H16SmallSwayIsNoStepAndSlowRollingNoDrawing) {
   EXPECT_FALSE(crawl.has_fault(Fault::patient_hanging));
 }
 
-// The harness moves evenly to and fro. 6 mm at 0.8 m, 0.43 degrees, back within a second and a half are a step. Each way lasts less than the two
-// seconds in which a step is due.
+// The harness moves evenly to and fro. 6 mm at 0.8 m, 0.43 degrees, back within 0.8 s are a step. Each way lasts less than the two seconds in
+// which a step is due.
 TEST(Monitors, H16ADriftIsNoStep) {
-  constexpr int kSwingTicks = 150, kWayTicks = 185;
+  constexpr int kSwingTicks = 80, kWayTicks = 185;
   for (const bool drifts : {true, false}) {
     SCOPED_TRACE(drifts);
     const double deg_per_tick = 0.4297 / (kSwingTicks + (drifts ? 5 : -5));

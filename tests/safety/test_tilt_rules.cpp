@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "tests/safety/monitor_bench.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 // ----- patient_hanging
 
-constexpr int kSwingTicks = 150;   // a step is back within these
+constexpr int kSwingTicks = 80;    // a step is back within these
 constexpr int kLoadedTicks = 100;  // how long the hoist must be loaded
 
 class HangingRule {
@@ -23,12 +24,14 @@ class HangingRule {
 
   /// How often each clause decided, over a whole run.
   struct Cases {
-    int leaning = 0;              // ticks: the lean alone raises the alarm
-    int drawn = 0;                // alarms whose drawn time was reached last
-    int loaded = 0;               // alarms whose loaded time was reached last
-    int unloaded = 0;             // ticks: drawn long enough, not loaded long enough
-    int late_step = 0;            // steps that took nearly kSwingTicks
-    int forgotten_in_motion = 0;  // farthest places forgotten during a drift away from them
+    int leaning = 0;    // ticks: the lean alone raises the alarm
+    int drawn = 0;      // alarms whose drawn time was reached last
+    int loaded = 0;     // alarms whose loaded time was reached last
+    int unloaded = 0;   // ticks: drawn long enough, not loaded long enough
+    int late_step = 0;  // steps that took nearly kSwingTicks
+    int drifted = 0;    // ticks: as far as a step, but too slowly
+    int went_on = 0;    // ticks: as far as a step, but the way of the last one
+    int same_way = 0;   // steps to the side of the last one, after a turn
   };
   [[nodiscard]] const Cases& cases() const { return cases_; }
 
@@ -44,7 +47,7 @@ class HangingRule {
         std::max({sensed.left_strut.fresh().age_ticks(), sensed.right_strut.fresh().age_ticks(), sensed.base.fresh().age_ticks()});
     const bool known = age < 3;
     const bool waits = at.held_back && sensed.odometry.standing_still;
-    const bool stepped = known && swings_back(at.params.strut_length_m * right_deg * kDeg, at.params.hang_sway_m, waits ? 0 : 1);
+    const bool stepped = known && swings(at.params.strut_length_m * right_deg * kDeg, at.params.hang_sway_m, waits ? 0 : 1);
     const bool rolling = std::fabs(sensed.odometry.speed_m_s) > at.params.hang_speed_m_s || at.held_back;
     const bool is_loaded = at.mode == Mode::user || lean_deg > 0.0524 / kDeg;
     const double limit_deg = at.params.hang_tilt_rad / kDeg;
@@ -60,19 +63,34 @@ class HangingRule {
   }
 
  private:
-  /// Back by so much from the farthest place of this swing, within kSwingTicks outside of waits; the next swing then begins.
-  bool swings_back(double side_m, double least_m, int ticks) {
-    const bool farther = to_right_ ? side_m > turn_m_ : side_m < turn_m_;
-    turn_age_ticks_ = farther ? 0 : turn_age_ticks_ + ticks;
-    const bool forgotten = turn_age_ticks_ > kSwingTicks;
-    if (forgotten && std::fabs(turn_m_ - side_m) > least_m / 2) ++cases_.forgotten_in_motion;
-    if (farther || forgotten) turn_m_ = side_m;
-    if (forgotten) turn_age_ticks_ = 0;
-    if (std::fabs(turn_m_ - side_m) < least_m) return false;
-    if (turn_age_ticks_ >= kSwingTicks - 10) ++cases_.late_step;
-    to_right_ = !to_right_;
-    turn_m_ = side_m;
-    turn_age_ticks_ = 0;
+  /// So far to one side within kSwingTicks outside of waits; twice to the same side only with a turn of half as much between. The ticks since the
+  /// last swing are taken ten at a time: of this ten and the fourteen before it each place counts.
+  bool swings(double side_m, double least_m, int ticks) {
+    swing_ticks_ += ticks;
+    places_.emplace_back(swing_ticks_ / 10, side_m);
+    double right_m = 0, left_m = 0, drift_m = 0, back_m = 0;
+    bool late = false;
+    for (const auto& [ten, place_m] : places_) {
+      const double way_m = side_m - place_m;
+      back_m = std::max(back_m, to_right_ ? -way_m : way_m);
+      drift_m = std::max(drift_m, std::fabs(way_m));
+      if (ten <= swing_ticks_ / 10 - kSwingTicks / 10) continue;
+      late = late || (std::fabs(way_m) >= least_m && ten <= swing_ticks_ / 10 - kSwingTicks / 10 + 1);
+      right_m = std::max(right_m, way_m);
+      left_m = std::max(left_m, -way_m);
+    }
+    turned_ = turned_ || back_m >= least_m / 2;
+    const bool right = right_m >= least_m && (turned_ || !to_right_), left = left_m >= least_m && (turned_ || to_right_);
+    if (drift_m >= least_m && std::max(right_m, left_m) < least_m) ++cases_.drifted;
+    if (std::max(right_m, left_m) >= least_m && !right && !left) ++cases_.went_on;
+    if (!right && !left) return false;
+    if (right == to_right_ && swung_) ++cases_.same_way;
+    if (late) ++cases_.late_step;
+    swung_ = true;
+    to_right_ = right;
+    turned_ = false;
+    places_.assign(1, {0, side_m});
+    swing_ticks_ = 0;
     return true;
   }
 
@@ -85,8 +103,10 @@ class HangingRule {
 
   int lean_ticks_, still_ticks_;
   Streak leans_, drawn_, loaded_;
-  double upright_s_ = 0, turn_m_ = 0;
-  int turn_age_ticks_ = 0;
+  double upright_s_ = 0;
+  bool turned_ = true, swung_ = false;
+  int swing_ticks_ = 0;                                   // since the swing began, without waits
+  std::vector<std::pair<int, double>> places_{{0, 0.0}};  // in which ten ticks, where
   bool to_right_ = true;
   Cases cases_;
 };
@@ -176,14 +196,18 @@ TEST(HangingRule, H16EachStepOfARandomPatientIsJudgedByTheRule) {
     all.loaded += cases.loaded;
     all.unloaded += cases.unloaded;
     all.late_step += cases.late_step;
-    all.forgotten_in_motion += cases.forgotten_in_motion;
+    all.drifted += cases.drifted;
+    all.went_on += cases.went_on;
+    all.same_way += cases.same_way;
   }
   EXPECT_GT(all.leaning, 20);
   EXPECT_GT(all.drawn, 20);
   EXPECT_GT(all.loaded, 10);
   EXPECT_GT(all.unloaded, 1000);
   EXPECT_GT(all.late_step, 20);
-  EXPECT_GT(all.forgotten_in_motion, 100);
+  EXPECT_GT(all.drifted, 100);
+  EXPECT_GT(all.went_on, 100);
+  EXPECT_GT(all.same_way, 20);
   EXPECT_GT(ended, 5);
 }
 

@@ -9,7 +9,10 @@
 // the patient no sway counts as a step, so that the wait ends in this alarm. R1 and a high alarm, 2 s after it begins;
 // the budget is 2.6 s.
 #pragma once
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
@@ -58,29 +61,54 @@ class PatientHanging {
   // that drag with 13 N lean it farther.
   static constexpr double kLoaded_rad = 0.0524;
   static constexpr double kLoaded_s = 1.0;  // an edge that the wheels cross tips an empty bar for a moment
-  // Half a stride at 0.1 m/s takes 1.1 s (firmware/sim/PATIENTS.md: 0.42 + 0.5 v hertz), its swing over hang_sway_m less.
-  static constexpr double kSwing_s = 1.5;
+  // Half a stride at 0.1 m/s takes 1.1 s, of who shuffles up to 1.4 s (firmware/sim/PATIENTS.md: 0.42 + 0.5 v hertz); a sine goes 0.78 of its
+  // width in the middle 0.8 s of these. DECISIONS.md, 160.
+  static constexpr double kSwing_s = 0.8;
   static constexpr double kShown_s = 5.0;
 
-  /// True in the step in which the harness has swung back by `least_m` from where it was farthest out, within kSwing_s: once in each half of a
-  /// stride. What takes longer is a drift: the filter, slow to trust gravity, glides back to the middle after the last step.
+  /// True in the step in which the harness has swung sideways by `least_m` within kSwing_s, and turned since the last such swing: once in each half
+  /// of a stride. What takes longer is a drift: the filter, slow to trust gravity, glides back to the middle after the last step.
   [[nodiscard]] bool swings(double side_m, double least_m, double dt_s) noexcept {
-    const double out_m = to_right_ ? side_m : -side_m;
-    back_s_ += dt_s;
-    if (!(out_m <= farthest_m_ && back_s_ <= hold<kFault, "swing_time">(kSwing_s) + dt_s / 2)) {
-      farthest_m_ = out_m;
-      back_s_ = 0;
+    part_s_ += dt_s;
+    if (part_s_ > hold<kFault, "swing_time">(kSwing_s) / kParts - dt_s / 2) {
+      part_s_ = 0;
+      part_ = (part_ + 1) % kParts;
+      parts_[part_] = {side_m, side_m};
     }
-    if (farthest_m_ - out_m < least_m) return false;
-    to_right_ = !to_right_;
-    farthest_m_ = -out_m;
-    back_s_ = 0;
+    parts_[part_].include({side_m, side_m});
+    Span all = parts_[part_];
+    for (const Span& part : parts_) all.include(part);
+    // A swing that just misses `least_m` is a turn, too, or the wide one after it would count only on its way back.
+    const double on_m = to_right_ ? side_m : -side_m;
+    farthest_m_ = std::max(farthest_m_, on_m);
+    turned_ = turned_ || farthest_m_ - on_m >= least_m / 2;
+    const bool right = side_m - all.left_m >= least_m && (!to_right_ || turned_);
+    const bool left = all.right_m - side_m >= least_m && (to_right_ || turned_);
+    if (!right && !left) return false;
+    to_right_ = right;
+    turned_ = false;
+    farthest_m_ = right ? side_m : -side_m;
+    parts_.fill({side_m, side_m});
+    part_s_ = 0;
     return true;
   }
 
   double leaning_s_ = 0, drawn_s_ = 0, loaded_s_ = 0, upright_s_ = 0;
-  double farthest_m_ = 0, back_s_ = 0;  // in the direction of the swing; time since
-  bool to_right_ = true;
+  // How far left and right the harness was in each tenth of a second of the last kSwing_s.
+  struct Span {
+    double left_m = 0, right_m = 0;
+    void include(const Span& other) noexcept {
+      left_m = std::min(left_m, other.left_m);
+      right_m = std::max(right_m, other.right_m);
+    }
+  };
+  static constexpr std::size_t kParts = 8;
+  std::array<Span, kParts> parts_{};
+  std::size_t part_ = 0;
+  double part_s_ = 0;
+  // Of the last swing: which way, how far it went on, and whether it has turned since.
+  bool to_right_ = true, turned_ = true;
+  double farthest_m_ = 0;
 };
 
 }  // namespace hoist::core

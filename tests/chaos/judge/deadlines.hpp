@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "control/contract/faults.hpp"
 #include "tests/chaos/judge/board.hpp"
@@ -82,19 +84,23 @@ class Swings {
  public:
   bool back(double left_m, double least_m, double within_s = std::numeric_limits<double>::infinity()) {
     const double out_m = to_left_ ? left_m : -left_m;
-    since_s_ += 0.01;  // of a control step
-    if (out_m > farthest_m_ || since_s_ > within_s) farthest_m_ = out_m, since_s_ = 0;
-    if (farthest_m_ - out_m <= least_m) return false;
+    now_s_ += 0.01;  // of a control step
+    // Places that a later one has passed will never be the farthest again.
+    while (!out_.empty() && out_.back().second <= out_m) out_.pop_back();
+    while (!out_.empty() && now_s_ - out_.front().first > within_s) out_.pop_front();
+    out_.emplace_back(now_s_, out_m);
+    if (out_.front().second - out_m <= least_m) return false;
     to_left_ = !to_left_;
-    took_s_ = since_s_;
-    farthest_m_ = -out_m, since_s_ = 0;
+    took_s_ = now_s_ - out_.front().first;
+    out_.assign(1, {now_s_, -out_m});
     return true;
   }
   /// From where it was farthest out until it had come back, the last time.
   [[nodiscard]] double took_s() const { return took_s_; }
 
  private:
-  double farthest_m_ = 0, since_s_ = 0, took_s_ = 0;
+  std::deque<std::pair<double, double>> out_;  // when, and how far out: farther and farther back in time
+  double now_s_ = 0, took_s_ = 0;
   bool to_left_ = true;
 };
 

@@ -261,8 +261,12 @@ void Watch::watch_record(const Told& told) {
   const Rule rule = deadlines_.after_step(told, sampler_.now(), raised_now_);
   if (rule != Rule::count) broken(rule_info(rule).what, sampler_.now().fastest_m_s);
   // A late step commands late; without a bus no command to stop reaches a drive, and it brakes by itself 50 ms after the last one.
-  if (const Rule due = deadlines_.due(); due != Rule::count && moved)
+  if (const Rule due = deadlines_.due(); due != Rule::count && moved) {
     must_rest(rule_info(due).what, ears_.bus_up() ? std::min(ears_.lateness_s(), kAlone_s) : kAlone_s, rule_info(due).braking_m_s2);
+    // When a drive falls silent in the middle of a stop, each wheel goes on to rest as its own drive brakes, and that stop has its time.
+    if (due == Rule::silent_drive_left || due == Rule::silent_drive_right)
+      for (MustStop& stop : must_stop_) stop.by_s = std::max(stop.by_s, must_stop_.back().by_s);
+  }
   if (record.tick != last_tick_) broken("I9: the record's tick is not the step's", static_cast<double>(record.tick));
   lease_epoch_ = record.lease_epoch;
   lease_holder_ = record.lease_holder;
