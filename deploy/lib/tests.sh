@@ -27,8 +27,8 @@ run_ctest() {
   [ -z "${HOIST_PROOFS:-}" ] || proofs=()
   say "running the C++ tests of $folder/"
   # A program that computes takes two places, one that waits takes one: the four chains of suites of real programs (tests/system) and the parts of a
-  # program (hoist_add_test). More that computes would starve the guest of the longest chain.
-  jobs=$((2 * $(build_jobs) + 5))
+  # program (hoist_add_test). These begin; then as many compute as there are processors. More would starve what walks in real time.
+  jobs=$((2 * $(build_jobs) + 3))
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1} \
