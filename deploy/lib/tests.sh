@@ -26,8 +26,8 @@ run_ctest() {
   shift 3
   [ -z "${HOIST_PROOFS:-}" ] || proofs=()
   say "running the C++ tests of $folder/"
-  # A program that computes takes two places, one that waits takes one: the four chains of suites of real programs (tests/system) and the parts of a
-  # program (hoist_add_test). These begin; then as many compute as there are processors. More would starve what walks in real time.
+  # What computes takes two places, the guest of tests/system as well; what waits takes one: the other three chains there, and the parts of a program
+  # (hoist_add_test). The chains and the parts begin. More programs that compute would starve what walks in real time.
   jobs=$((2 * $(build_jobs) + 3))
   # ctest cuts long outputs of failing programs by default; we want all of it (10 MB is more than any prints).
   size=10000000
