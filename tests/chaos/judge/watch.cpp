@@ -353,6 +353,7 @@ void Watch::watch_parameters(const Told& told) {
       }
     }
   }
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): any other bit is a change
   const bool changed = std::memcmp(&told.params, &params_, sizeof params_) != 0;
   if (changed != (told.parameter_version != parameter_version_) && parameter_version_ != 0 && changed)
     broken("I10: parameters changed without a new version");
