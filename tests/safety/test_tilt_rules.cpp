@@ -64,7 +64,7 @@ class HangingRule {
 
  private:
   /// So far to one side within kSwingTicks outside of waits; twice to the same side only with a turn of half as much between. The ticks since the
-  /// last swing are taken ten at a time: of this ten and the fourteen before it each place counts.
+  /// last swing are taken ten at a time: of this ten and the seven before it each place counts.
   bool swings(double side_m, double least_m, int ticks) {
     swing_ticks_ += ticks;
     places_.emplace_back(swing_ticks_ / 10, side_m);
