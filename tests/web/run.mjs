@@ -12,6 +12,7 @@ const worst = ['passed', 'skipped', 'failed'];
 
 const started = [1, 2].map((part) => {
   const json = report && `${report}.part${part}`;
+  if (json) rmSync(json, { force: true }); // an earlier run's would hide that this part ended badly
   const child = spawn(process.execPath, [program, ...given, '--part', String(part), ...(json ? ['--json', json] : [])], { stdio: 'inherit' });
   return { json, child, code: new Promise((resolve) => child.on('exit', (code) => resolve(code ?? 1))) };
 });
