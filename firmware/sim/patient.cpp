@@ -392,7 +392,11 @@ void Patient::step_1ms(const PatientSenses& senses) {
   // Fore and aft: legs against springs.
   const double own_m_s = senses.platform.speed_m_s + x_rate_m_s_;
   double legs_n = 0.0;
-  if (fallen()) {
+  // Who falls out of both straps soon lies on the floor.
+  const bool lies = fallen() && !senses.held;
+  if (lies) {
+    legs_n = -params_.drive_n_s_m * own_m_s;
+  } else if (fallen()) {
     legs_n = fall_push_n(senses.platform);
     if (state_ == PatientState::hanging) legs_n += senses.springs.forward_n;
   } else {
@@ -406,8 +410,11 @@ void Patient::step_1ms(const PatientSenses& senses) {
   x_rate_m_s_ += ((legs_n - senses.springs.forward_n) / params_.mass_kg - senses.platform.acceleration_m_s2) * kStep_s;
   x_m_ += x_rate_m_s_ * kStep_s;
   // Sideways: the legs keep the body in the middle, or where this patient leans, as long as they carry it.
-  const double legs_aside_m_s2 =
-      falls_aside() ? fall_aside_m_s2() : -kCentre_rad_s * (kCentre_rad_s * (y_m_ - params_.lean_left_m) + 1.6 * y_rate_m_s_);
+  double legs_aside_m_s2 = -kCentre_rad_s * (kCentre_rad_s * (y_m_ - params_.lean_left_m) + 1.6 * y_rate_m_s_);
+  if (lies)
+    legs_aside_m_s2 = -params_.drive_n_s_m / params_.mass_kg * y_rate_m_s_;
+  else if (falls_aside())
+    legs_aside_m_s2 = fall_aside_m_s2();
   const double aside_m_s2 = legs_aside_m_s2 - senses.springs.left_n / params_.mass_kg;
   y_rate_m_s_ += aside_m_s2 * kStep_s;
   y_m_ += y_rate_m_s_ * kStep_s;

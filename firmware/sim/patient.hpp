@@ -138,7 +138,10 @@ class Patient {
   void hold_turn(double yaw_rad) { held_turn_rad_ = yaw_rad, holds_turn_ = true; }
   void release_turn() { holds_turn_ = false; }
   /// Helped back between the struts, standing upright.
-  void stand_in_the_middle() { x_m_ = x_rate_m_s_ = y_m_ = y_rate_m_s_ = yaw_rad_ = yaw_rate_rad_s_ = 0.0; }
+  void stand_in_the_middle() {
+    x_m_ = x_rate_m_s_ = y_m_ = y_rate_m_s_ = yaw_rad_ = yaw_rate_rad_s_ = 0.0;
+    harness_ = {};
+  }
   /// Back at the start mark with another scenario, standing.
   void restart(const Scenario& scenario);
 

@@ -241,6 +241,23 @@ TEST(World, SameSeedSameRunOtherSeedAnother) {
   EXPECT_NE(walk(75.0), walk(80.0));
 }
 
+TEST(World, WhoFallsOutOfBothStrapsLiesOnTheFloorAndIsFastenedWithoutAJerk) {
+  for (const double toward_rad : {0.0, 1.5, 3.0}) {
+    SCOPED_TRACE(toward_rad);
+    World world(in_process());
+    ScriptedHost host(world);
+    host.run(0.5);
+    for (const Side side : {Side::left, Side::right}) world.plant().cut_strap(side, true);
+    world.patient().trip(toward_rad);
+    host.run(20.0);
+    EXPECT_LT(std::hypot(world.patient().harness().dx_m, world.patient().harness().dy_m), 1.0);
+    for (const Side side : {Side::left, Side::right}) world.plant().cut_strap(side, false);
+    world.patient().stand_in_the_middle();
+    host.run(2.0);
+    EXPECT_LT(std::hypot(world.plant().platform().x_m, world.plant().platform().y_m), 0.001);
+  }
+}
+
 TEST(World, GoesBackToTheStartMarkOnlyWithTheDrivesOff) {
   World world(in_process());
   ScriptedHost host(world);
