@@ -194,7 +194,7 @@ void calibrate_all(std::uint64_t seed, Worst& worst) {
 
 TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfADegree) {
   Worst worst;
-  for (int seed = 1; seed <= seeds_for(50, 16, 6); ++seed) {
+  for (int seed = 1; seed <= seeds_for(50, 16, 3); ++seed) {
     calibrate_all(seed, worst);
     if (HasFatalFailure()) return;
   }
@@ -204,7 +204,7 @@ TEST(Calibration, FiftyMachinesWithHiddenErrorsComeOutWithinAPerCentAndATenthOfA
 
 // Squares of three metres on machines whose wheels differ and whose track is known to 3 %: two of them, one in each direction, find both.
 TEST(Calibration, SquaresRefineTrackAndUnequalWheels) {
-  for (int seed = 1; seed <= seeds_for(12, 4, 2); ++seed) {
+  for (int seed = 1; seed <= seeds_for(12, 4, 1); ++seed) {
     const std::string who = "machine seed " + std::to_string(seed);
     Workshop shop(seed, 0.03);
     ASSERT_TRUE(shop.open()) << who;

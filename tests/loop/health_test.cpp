@@ -111,7 +111,7 @@ TEST(BusHealth, FaultFreeWalkingLosesNothingAndAccusesNobody) {
     SCOPED_TRACE(seed);
     ClosedLoop loop(walk(seed, seed == 12));
     ASSERT_TRUE(loop.start(Mode::user));
-    loop.run(seeds_for(1200, 1200, 150));
+    loop.run(seeds_for(1200, 1200, 90));
     for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n)
       EXPECT_EQ(lost(loop, static_cast<Node>(n)), 0U) << contract::kNodes[n].name;
     EXPECT_EQ(loop.record().syncs_lost, 0U);

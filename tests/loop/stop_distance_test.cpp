@@ -15,9 +15,9 @@ namespace {
 
 using contract::Mode;
 
-int cuts() { return asked_for("HOIST_STOP_CUTS", seeds_for(120, 120, 40)); }
+int cuts() { return asked_for("HOIST_STOP_CUTS", seeds_for(120, 120, 24)); }
 /// At each corner of a range. There only the nearest counts: the mean excess of so few is drawn by the shortest stops.
-int cuts_at_a_corner() { return asked_for("HOIST_STOP_CUTS", seeds_for(120, 60, 16)) / 4; }
+int cuts_at_a_corner() { return asked_for("HOIST_STOP_CUTS", seeds_for(120, 60, 8)) / 4; }
 
 enum class Cut { link_driving, stop_walking, computer_driving, computer_walking, link_guided, end_driving };
 

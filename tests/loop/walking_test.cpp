@@ -104,7 +104,7 @@ ClosedLoopOptions preset(const contract::PresetInfo& info, std::string_view scen
 TEST(Walking, TheEightIsAsTrueWithEveryPreset) {
   for (const contract::PresetInfo& info : contract::kPresets) {
     SCOPED_TRACE(info.name);
-    const auto seeds = static_cast<std::uint64_t>(seeds_for(24, 4, 2));
+    const auto seeds = static_cast<std::uint64_t>(seeds_for(24, 4, 1));
     double j = 0, c = 0;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
       ClosedLoopOptions options = preset(info, "figure-eight", seed);
@@ -269,7 +269,7 @@ TEST(Walking, ManyPatientsNeverTripAGuard) {
 
 // H15, H16: a patient who does not know that the walk ends keeps pushing while the hoist brakes.
 TEST(Walking, H15_EndingAWalkIsNoFall) {
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(60, 30, 8)); ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(60, 30, 4)); ++seed) {
     ClosedLoopOptions options = scenario(seed % 2 == 0 ? "straight" : "figure-eight");
     options.world.patient = sim::PatientParams::random(seed);
     options.world.seed = seed;
@@ -286,7 +286,7 @@ TEST(Walking, H15_EndingAWalkIsNoFall) {
 }
 
 TEST(Walking, H7_TightTurnsOfTheSquareAreNoImplausibleTilt) {
-  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(40, 20, 5)); ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(seeds_for(40, 20, 2)); ++seed) {
     ClosedLoopOptions options = scenario("square");
     options.world.patient = sim::PatientParams::random(seed);
     options.world.seed = seed;

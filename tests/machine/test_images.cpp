@@ -12,7 +12,6 @@
 #include "tests/machine/hoist_bench.hpp"
 #include "tests/machine/lpc11c24.hpp"
 #include "tests/machine/stm32f072.hpp"
-#include "tests/support/seeds.hpp"
 
 namespace hoist::machine {
 namespace {
@@ -433,8 +432,13 @@ struct Columns {
   }
 };
 
-// The figure of eight, patient-led, by machine code: two drives, three tilts, inputs and gateway, the core behind the serial line.
-void walk_a_lap(const Images& images, const BenchOptions& options) {
+// The figure of eight, patient-led, by machine code: two drives, three tilts, inputs and gateway, the core behind the serial line. Both
+// microcontrollers on one cable: each kind of box with each of them somewhere, left and right different.
+TEST(Walking, ALapOfTheEightWithMixedChips) {
+  NEEDS_IMAGES(images);
+  BenchOptions options = eight(true, ImageChip::stm32f072);
+  for (const Box box : {Box::drive_left, Box::tilt_right}) options.chips[static_cast<std::size_t>(box)] = ImageChip::lpc11c24;
+  options.imus = {ImuKind::mpu6050, ImuKind::lsm6dso, ImuKind::icm42688p};
   MachineLoop loop(images, options);
   const contract::ReferencePath& path = loop.bench().patient().path();
   const contract::PathPose start = path.pose(0.0);
@@ -477,21 +481,6 @@ void walk_a_lap(const Images& images, const BenchOptions& options) {
   testing::Test::RecordProperty("correlation", std::to_string(*evaluation->c));
   std::printf("C %.3f, J %.2f, %.1f s, wire %.1f %%\n", *evaluation->c, evaluation->ise->j, loop.bench().time_s(),
               100.0 * static_cast<double>(loop.bench().wire().busy_time()) / static_cast<double>(loop.bench().now()));
-}
-
-TEST(Walking, ALapOfTheEightByMachineCode) {
-  if (!tests::thorough()) GTEST_SKIP() << "the lap with mixed chips has both images; deploy/dev check runs this one, too";
-  NEEDS_IMAGES(images);
-  walk_a_lap(images, eight(true));
-}
-
-// Both microcontrollers on one cable: each kind of box with each of them somewhere, left and right different.
-TEST(Walking, ALapOfTheEightWithMixedChips) {
-  NEEDS_IMAGES(images);
-  BenchOptions options = eight(true, ImageChip::stm32f072);
-  for (const Box box : {Box::drive_left, Box::tilt_right}) options.chips[static_cast<std::size_t>(box)] = ImageChip::lpc11c24;
-  options.imus = {ImuKind::mpu6050, ImuKind::lsm6dso, ImuKind::icm42688p};
-  walk_a_lap(images, options);
 }
 
 TEST(Walking, TheSameOptionsGiveTheSameRun) {

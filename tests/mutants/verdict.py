@@ -10,6 +10,7 @@ name holds PART."""
 import argparse
 import collections
 import concurrent.futures
+import itertools
 import os
 import pathlib
 import random
@@ -57,13 +58,16 @@ def run(environment, *more):
         return None
 
 
-with tempfile.TemporaryDirectory() as folder:
-    places = pathlib.Path(folder) / 'map'
-    if run({'HOIST_MUTANT_MAP': str(places)}) != 0:
+# For each mutant: its quick tests, and the longer ones.
+tests_of = collections.defaultdict(lambda: ([], []))
+jobs = os.cpu_count()
+with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+    maps = [pathlib.Path(folder) / str(shard) for shard in range(jobs)]
+    ended = pool.map(
+        lambda shard: run({'HOIST_MUTANT_MAP': str(maps[shard]), 'GTEST_TOTAL_SHARDS': str(jobs), 'GTEST_SHARD_INDEX': str(shard)}), range(jobs))
+    if any(code != 0 for code in ended):
         sys.exit('the tests fail without a mutant')
-    # For each mutant: its quick tests, and the longer ones.
-    tests_of = collections.defaultdict(lambda: ([], []))
-    for row in places.read_text().splitlines():
+    for row in itertools.chain.from_iterable(places.read_text().splitlines() for places in maps):
         test, taken_ms, numbers = row.split('\t')
         if int(taken_ms) <= LONGEST_MS:
             for number in numbers.split():
@@ -80,7 +84,7 @@ def key(mutant):
 
 tried, unseen, failed = collections.Counter(), collections.Counter(), 0
 free = 0
-with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
     for mutant, seen in zip(mutants, pool.map(noticed, mutants)):
         tried[mutant.file] += 1
         if seen:

@@ -8,10 +8,10 @@ namespace hoist::tests {
 inline bool thorough() { return std::getenv("HOIST_THOROUGH") != nullptr; }  // NOLINT(concurrency-mt-unsafe): nothing sets it meanwhile
 
 /// `in_full` in the thorough run, `everyday` otherwise. Under sanitizers everything takes ten times as long, and they look for other mistakes than
-/// more seeds find: `sanitized` there.
-inline int seeds_for([[maybe_unused]] int in_full, [[maybe_unused]] int everyday, [[maybe_unused]] int sanitized) {
-#ifdef HOIST_SANITIZED
-  return sanitized;
+/// more seeds find: `few` there, and where a mutant is to be noticed, for which a test may take a second (tests/mutants).
+inline int seeds_for([[maybe_unused]] int in_full, [[maybe_unused]] int everyday, [[maybe_unused]] int few) {
+#if defined(HOIST_SANITIZED) || defined(HOIST_MUTANTS)
+  return few;
 #else
   return thorough() ? in_full : everyday;
 #endif
