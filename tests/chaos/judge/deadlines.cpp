@@ -258,9 +258,10 @@ void Deadlines::see(const Truth& truth) {
   if (wide_steps_.back(truth.side_m, kWide_m)) widely_s_ = seen_s_;
   const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
   if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
-  // What a push left: it falls as the brakes slow a wheel, less what still pulls at it.
+  // What a push left, or the supply when it went: it falls as the brakes slow a wheel, less what still pulls at it.
   constexpr double kBrakes_m_s2 = 1.2;
-  const bool pulled = seen_s_ - std::max({pushed_s_, touch_s_, slid_s_}) < kRollsOut_s;
+  const bool cut = board_.now(Kind::power_cut), goes = !std::exchange(cut_, cut) && cut;
+  const bool pulled = goes || seen_s_ - std::max({pushed_s_, touch_s_, slid_s_}) < kRollsOut_s;
   coast_m_s_ = pulled ? truth.fastest_m_s : coast_m_s_ - kStep_s * kBrakes_m_s2 * std::max(0.0, 1.0 - truth.hardest_n / kBrake_n);
 }
 
