@@ -104,6 +104,8 @@ class Plant {
   [[nodiscard]] ImuReading read_imu(Place sensor);
   /// Bit set = pressed: 0 front, 1 rear, 2 left, 3 right.
   [[nodiscard]] std::uint8_t bumpers() const;
+  /// A post touches the frame, whatever the strips say.
+  [[nodiscard]] bool touches_post() const { return touched_ != 0; }
   /// True angle of a strut against the platform, rad.
   [[nodiscard]] double strut_alpha_rad(Side side) const;
   [[nodiscard]] double strut_beta_rad(Side side) const;

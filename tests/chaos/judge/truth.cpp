@@ -11,7 +11,7 @@ constexpr double kGravity_m_s2 = 9.80665;
 
 }  // namespace
 
-const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan) {
+const Truth& TruthSampler::sample(const sim::World& world) {
   const sim::Plant& plant = world.plant();
   const sim::Patient& patient = world.patient();
   const sim::PlantParams& machine = plant.params();
@@ -44,7 +44,7 @@ const Truth& TruthSampler::sample(const sim::World& world, bool pressed_by_plan)
   const double twist_n = (push.turn_n_m + hands.turn_n_m + edge.turn_n_m) / machine.track_width_m;
   t.push_n = {ahead_n / 2.0 - twist_n, ahead_n / 2.0 + twist_n};
   t.hardest_n = std::max(std::fabs(t.push_n[0]), std::fabs(t.push_n[1]));
-  t.touches = plant.bumpers() != 0 && !pressed_by_plan;
+  t.touches = plant.touches_post();
   if (begun_) {
     for (std::size_t i = 0; i < 2; ++i) t.wheel_m_s2[i] = (t.wheel_m_s[i] - before.wheel_m_s[i]) / kStep_s;
     t.acceleration_m_s2 = (t.wheel_m_s2[0] + t.wheel_m_s2[1]) / 2.0;

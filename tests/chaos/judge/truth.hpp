@@ -30,8 +30,8 @@ struct Truth {
 
 class TruthSampler {
  public:
-  /// Once every control step of 10 ms. `pressed_by_plan`: bumper bits that a fault of the plan presses without a post.
-  [[nodiscard]] const Truth& sample(const sim::World& world, bool pressed_by_plan);
+  /// Once every control step of 10 ms.
+  [[nodiscard]] const Truth& sample(const sim::World& world);
   [[nodiscard]] const Truth& now() const { return now_; }
 
  private:

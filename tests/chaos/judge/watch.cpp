@@ -204,7 +204,7 @@ void Watch::after_step(const Told* told) {
 
 void Watch::watch_truth(bool core_ran) {
   const double now_s = world_.time_s();
-  const Truth& truth = sampler_.sample(world_, board_.now(Kind::bumper));
+  const Truth& truth = sampler_.sample(world_);
   deadlines_.see(truth);
   if (board_.inside(now_s, 0.0) || (mode_ != Mode::user && board_.any(now_s, 0.0)) || truth.on_edge || truth.strap_off)
     disturbed_s_ = now_s;
@@ -421,15 +421,18 @@ void Watch::watch_mode_change(const Told& told, Mode from, Mode to) {
   if (moves(from) && !moves(to)) count_end(told.record, from);
 }
 
-// I7: by the true struts, with what the filter and the mounting may hide, and by what the therapist could not see.
+// I7: by the true struts, with what the filter and the mounting may hide, and by what the therapist could not see. Not by the body: beside a cut
+// strap one strut stands upright, and the other may as well.
 void Watch::watch_start(const Told& told, Mode to) {
   ++report_.starts;
   if (const std::string_view why = deadlines_.start_barred(to); !why.empty()) broken(why);
   if (told.record.lease_holder == 0) broken("I3: a start without a driver");
   constexpr double kHidden_rad = 2.0 * kDegree_rad, kTolerance_norm = 0.2;
-  const Truth& truth = sampler_.now();
-  const double lean_rad = truth.forward_rad - told.params.neutral_lean_m / told.params.strut_length_m;
-  const double turn_rad = truth.turn_rad - told.params.strut_spacing_m / 2.0 / told.params.strut_length_m * told.params.neutral_turn_rad;
+  const sim::Plant& plant = world_.plant();
+  const double left_rad = plant.strut_alpha_rad(sim::Side::left), right_rad = plant.strut_alpha_rad(sim::Side::right);
+  const double lean_rad = (left_rad + right_rad) / 2.0 - told.params.neutral_lean_m / told.params.strut_length_m;
+  const double turn_rad =
+      (right_rad - left_rad) / 2.0 - told.params.strut_spacing_m / 2.0 / told.params.strut_length_m * told.params.neutral_turn_rad;
   if (std::fabs(lean_rad) > kTolerance_norm * told.params.lean_range_rad + kHidden_rad)
     broken("I7: a start away from neutral: lean", lean_rad);
   if (std::fabs(turn_rad) > kTolerance_norm * told.params.turn_range_rad + kHidden_rad)
