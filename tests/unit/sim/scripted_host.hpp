@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -29,7 +30,7 @@ class ScriptedHost {
     ++cycles_;
   }
   void run(double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds * 100.0 + 0.5); ++i) cycle();
+    for (long left = std::lround(seconds * 100.0); left > 0; --left) cycle();
   }
   /// Through the CiA 402 states to operation enabled.
   void enable() {
