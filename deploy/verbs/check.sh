@@ -69,13 +69,15 @@ else
 fi
 build_web
 
+# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority.
+give_way() { renice -n 15 "$BASHPID" >/dev/null; }
+
 # The tests of the normal build first: they find most, and soonest. With the long tests in full, a browser beside them starves the suites in real
 # time; it does not mind what computes.
 HOIST_THOROUGH=yes HOIST_PROOFS=yes timed "C++ tests" run_ctest build "$normal" .
 begin_beside "$normal/web.log" timed "tests of the console" run_console_suites "$normal" .
 (
-  # A hoist that a browser drives loses its time to what computes at the same priority.
-  renice -n 15 "$BASHPID" >/dev/null
+  give_way
   step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
   step "chaos: 500 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 500
   step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
@@ -86,7 +88,7 @@ end_beside || record_step "$normal" failed web "the tests of the console ended b
 # What ThreadSanitizer looks at waits more than it computes.
 begin_beside "$threads/ctest.log" timed "ThreadSanitizer" run_thread_tests "$threads"
 (
-  renice -n 15 "$BASHPID" >/dev/null
+  give_way
   HOIST_PROOFS=yes timed "C++ tests with AddressSanitizer" run_ctest build/sanitize "$sanitized" .
 )
 end_beside || record_step "$threads" failed "ThreadSanitizer" "its tests ended badly"
