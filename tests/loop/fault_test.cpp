@@ -175,6 +175,31 @@ TEST(Faults, H16_AFaintedPatientIsNotDraggedWhoeverLeads) {
   }
 }
 
+// On standby the brakes alone do not hold a body that lies in the stops: the servo takes over, and holds it until it is upright and released.
+TEST(Faults, H15_ABodyThatPushesTheHoistAwayOnStandbyIsHeld) {
+  int held = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    ClosedLoopOptions options;
+    options.world.seed = seed;
+    options.world.patient = sim::PatientParams::random(seed);
+    ClosedLoop loop(options);
+    ASSERT_TRUE(loop.run_until([&] { return loop.mode() == Mode::standby; }, 10.0));
+    sim::World& world = loop.world();
+    world.patient().trip(seed % 3 == 0 ? 2.0 : 0.0);
+    const double begin_m = world.plant().platform().x_m;
+    double fastest_m_s = 0;
+    for (const double end_s = loop.time_s() + 6.0; loop.time_s() < end_s;) {
+      loop.step();
+      fastest_m_s = std::max(fastest_m_s, std::fabs(world.plant().platform().speed_m_s));
+    }
+    EXPECT_LT(fastest_m_s, 0.45);
+    EXPECT_LT(std::fabs(world.plant().platform().x_m - begin_m), 0.10);
+    if (loop.ever_raised(Fault::fall_detected)) ++held;
+  }
+  EXPECT_GT(held, 6);
+}
+
 // Walking patients of any build can be driven at any speed, with starts, turns and stops; so can an empty hoist.
 TEST(Faults, H16_WhoWalksAlongAndAnEmptyHarnessAreNotTakenForHanging) {
   const auto seeds = static_cast<std::uint64_t>(seeds_for(12, 6, 3));

@@ -37,8 +37,8 @@ Lean rate_of(const Estimate& sensed) {
 
 class Rule {
  public:
-  /// Whether this step of a moving hoist is a fall. `speed_m_s` is the last command.
-  bool falls(const Lean& lean, const Lean& rate, double speed_m_s, bool moving) {
+  /// Whether this step is a fall. `speed_m_s` is the last command; `pushed`: on standby a wheel turns faster than 0.1 m/s.
+  bool falls(const Lean& lean, const Lean& rate, double speed_m_s, bool moving, bool pushed = false) {
     const double change_m_s2 = (speed_m_s - speed_m_s_) / kTick_s;
     speed_m_s_ = speed_m_s;
     ++since_push_ticks_;
@@ -49,7 +49,7 @@ class Rule {
     const bool rests = lean.length() > 13;
     rest_ticks_ = rests ? rest_ticks_ + 1 : 0;
     if (!rests) swings_ = false;
-    if (!moving) return false;
+    if (!moving) return pushed && rest_ticks_ >= 10;
     // Thrown by the hoist itself: in the 0.3 s after its push, that way, and not mainly aside.
     const bool thrown =
         since_push_ticks_ < 30 && (lean.forward_deg > 0) == pushed_forward_ && std::fabs(lean.right_deg) <= std::fabs(lean.forward_deg);
@@ -120,11 +120,12 @@ class FallRule : public ::testing::Test {
   }
   /// One step, judged; whether it was a fall.
   bool falls(double stick) {
-    const bool moving = is_moving(hoist_->state.mode);
+    const bool moving = is_moving(hoist_->state.mode), standby = hoist_->state.mode == Mode::standby;
     const double told_m_s = (hoist_->state.left_command_m_s + hoist_->state.right_command_m_s) / 2;
     hoist_->drive_for(1, stick);
     const Estimate& sensed = hoist_->state.sensed;
-    const bool expected = rule_.falls(lean_of(sensed), rate_of(sensed), told_m_s, moving);
+    const double turns_m_s = std::max(std::fabs(sensed.odometry.wheel_left_m_s), std::fabs(sensed.odometry.wheel_right_m_s));
+    const bool expected = rule_.falls(lean_of(sensed), rate_of(sensed), told_m_s, moving, standby && turns_m_s > 0.1);
     EXPECT_EQ(hoist_->has_fault(Fault::fall_detected), expected)
         << contract::kModes[static_cast<std::size_t>(hoist_->state.mode)].name << ", lean " << lean_of(sensed).forward_deg << " and "
         << lean_of(sensed).right_deg << " degrees at " << rate_of(sensed).forward_deg << " degrees/s, told " << told_m_s << " m/s";
@@ -181,6 +182,32 @@ TEST_F(FallRule, H15EachStepOfABodyThatIsThrownIsJudgedByTheRule) {
     ASSERT_FALSE(HasFailure());
   }
   EXPECT_GT(found_, 50);
+}
+
+// On standby: a body that goes into the stops and comes back, on wheels that stand, creep or are pushed, one or both.
+TEST_F(FallRule, H15EachStepOfABodyThatPushesTheHoistOnStandbyIsJudgedByTheRule) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    hoist_.emplace();
+    rule_ = {};
+    ASSERT_TRUE(hoist_->ready());
+    hoist_->tilt_left.slew_deg = hoist_->tilt_right.slew_deg = hoist_->tilt_base.slew_deg = 5;
+    Body at = body(random, {0, 9.5, 12.5, 13.5, 14}, {20, 45});
+    for (int i = 0; i < 200; ++i) {
+      if (random() % 30 == 0) {
+        hoist_->drive_left.forced_m_s = std::array{0.0, 0.0, 0.09, 0.11, -0.11, 0.3}[random() % 6];
+        hoist_->drive_right.forced_m_s = random() % 2 == 0 ? hoist_->drive_left.forced_m_s : 0;
+      }
+      lean(at.forward.step(), at.right.step());
+      if (!falls(0)) continue;
+      EXPECT_EQ(hoist_->state.mode, Mode::protective_stop);
+      break;
+    }
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(found_, 30);
+  EXPECT_LT(found_, 90);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // STANDBY: everything is there and nothing moves; the drives are off and their spring-applied brakes hold; the hoist can be pushed once
-// its brakes are released by hand.
+// its brakes are released by hand. A body in the stops that rolls it is held all the same (monitor/fall.hpp).
 #pragma once
 #include "control/core/modes/mode.hpp"
 

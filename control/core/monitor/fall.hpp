@@ -9,7 +9,12 @@
 // a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
 // then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
 // would not even be braked for: there the quick lean must go kThrownBack_rad farther.
+//
+// On standby straps are fastened and struts moved by hand, so a lean alone is no fall. But a body in the stops pushes the hoist with more than its
+// brakes hold: 79 kg rolled it to 0.5 m/s within 6 s, 96 kg to 1.3 (simulated; brakes 178 N). A resting lean on wheels that turn faster than
+// kUnheld_m_s is therefore a fall there, too, and the servo, which gives more than twice as much, holds the patient.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -41,7 +46,7 @@ class FallDetected {
       // Nothing new can trip here, and what tripped lasts until the patient stands again.
       return view.has(kFault) && quickly_beyond(tilt_rad);
     }
-    if (!view.moving) return false;
+    if (!view.moving) return rolls_unheld(view) && resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) - view.dt_s / 2;
     const bool thrown_there = thrown(alpha_rad, beta_rad);
     // Thrown along the way it goes, or went until it stood: it brakes.
     const bool brakes = command_m_s_ == 0 || forward_ == (command_m_s_ > 0);
@@ -66,8 +71,17 @@ class FallDetected {
   static constexpr double kAside_norm = 1.05;
   // 1.5 degrees beyond fall_tilt_rad, as far as 120 kg are thrown (simulated): earlier than the resting lean and its 0.1 s.
   static constexpr double kThrownBack_rad = 0.0262;
+  // As for every other rule of a hoist that rolls.
+  static constexpr double kUnheld_m_s = 0.1;
   // 97 kg stopped from 0.5 m/s swing to 14 degrees and stay beyond 13 for about 0.4 s (simulated).
   static constexpr double kThrown_s = 0.5;
+
+  [[nodiscard]] static bool rolls_unheld(const MonitorView& view) noexcept {
+    const Odometry& odometry = view.sensed.odometry;
+    const double unheld_m_s = threshold<kFault, "unheld">(kUnheld_m_s);
+    return view.mode == contract::Mode::standby && !view.sensed.drives_lost() &&
+           !(std::max(std::fabs(odometry.wheel_left_m_s), std::fabs(odometry.wheel_right_m_s)) <= unheld_m_s);
+  }
 
   void note_own_acceleration(const MonitorView& view) noexcept {
     const double command_m_s = (view.left_command_m_s + view.right_command_m_s) / 2;

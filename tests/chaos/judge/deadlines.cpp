@@ -72,6 +72,8 @@ constexpr std::array kRules{
     // 2.6 s after the last swing that the sensors show. A body that goes limp swings back.
     RuleInfo{Rule::dragged, "I1: a patient who is dragged without a step is not found within 3.0 s", 3.0 + kLook_s,
              any(HoistFault::patient_hanging, HoistFault::fall_detected), 0.5},
+    RuleInfo{Rule::rolls_away, "I1: a body in the stops pushes the hoist away on standby", 0.2 + kLook_s, any(HoistFault::fall_detected),
+             1.0},
     RuleInfo{Rule::empty, "I1: empty batteries are not found within 2 s", 0.5 + kLook_s, any(HoistFault::battery_empty), 0.5},
     RuleInfo{Rule::weak, "I1: low batteries are not told of within 2 s", 0.5 + kLook_s, any(HoistFault::battery_low)},
     RuleInfo{Rule::uneven, "I1: uneven batteries are not told of within 2 s", 0.5 + kLook_s, any(HoistFault::battery_uneven)},
@@ -128,8 +130,8 @@ constexpr std::array kJudged{
     Judged{Kind::bumper, "touched"},
     Judged{Kind::obstacle, "touched"},
     Judged{Kind::slope, "steep, sloping"},
-    Judged{Kind::trip, "falling, lying"},
-    Judged{Kind::collapse, "falling, lying"},
+    Judged{Kind::trip, "falling, lying, rolls away"},
+    Judged{Kind::collapse, "falling, lying, rolls away"},
     Judged{Kind::hang, "leaning, dragged"},
     Judged{Kind::pelvis_turned, "beyond stops; I7"},
     Judged{Kind::core_bus_off, "bus gone; I8"},
@@ -156,7 +158,7 @@ constexpr std::array kJudged{
     Judged{Kind::skid, "slipping"},
     Judged{Kind::fall_aside, "falling, lying"},
     Judged{Kind::faint, "falling, lying, dragged"},
-    Judged{Kind::shove, "beside its command; rest"},
+    Judged{Kind::shove, "beside its command; rest; rolls away"},
     Judged{Kind::held, "beside its command; rest"},
     Judged{Kind::battery_full, "over voltage"},
     Judged{Kind::bridges_shorted, "runaway; beside its command"},
@@ -439,6 +441,9 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       // A hoist that is led by another may be empty, and an empty one does not lean.
       return (mode == Mode::user || (moving && truth.lean_rad > 4.0 * kDegree_rad)) && std::fabs(truth.speed_m_s) > 0.12 &&
              seen_s_ - swung_s_ > 0.05 && lean_told_rightly();
+    case Rule::rolls_away:
+      return mode == Mode::standby && truth.lean_rad > 14.8 * kDegree_rad && lean_told_rightly() && seen_s_ - blind_s_ > 0.7 &&
+             ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1 && truth.fastest_m_s > 0.15;
     case Rule::empty:
       return battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps;
     case Rule::weak:

@@ -44,6 +44,7 @@ enum class Rule : std::uint8_t {
   lying,
   leaning,
   dragged,
+  rolls_away,
   empty,
   weak,
   uneven,
