@@ -50,13 +50,13 @@ void ask_recorder(const CallPtr& call, std::function<Result(Records&)> work, std
 }
 // The same on the people's thread. False when the call was refused at once.
 template <typename Result>
-bool ask_people(const CallPtr& call, std::function<Result(PeopleRoom&)> work, std::function<void(Result)> then) {
+bool ask_people(const CallPtr& call, std::function<Result(PeopleRoom&)> work, std::function<void(Result)> then, Turn turn = Turn::first) {
   PeopleDesk& people = call->services.people;
   if (!people.problem().empty()) {
     call->fail({.status = 503, .name = "accounts", .title = "The accounts cannot be used", .detail = people.problem()});
     return false;
   }
-  if (people.ask<Result>(std::move(work), std::move(then))) return true;
+  if (people.at(turn).ask<Result>(std::move(work), std::move(then))) return true;
   call->fail({.status = 503, .name = "busy", .title = "Too many people sign in at once", .detail = "Try again in a moment."});
   return false;
 }

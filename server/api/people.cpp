@@ -133,16 +133,19 @@ json who_json(const Call& call, const Session* session, std::string_view device)
 
 // Asks the store, and answers a failure: `then` gets the value, or nothing where there is none.
 template <typename Work, typename Then>
-void ask_store(const CallPtr& call, Work work, Then then) {
+void ask_store(const CallPtr& call, Work work, Then then, Turn turn = Turn::first) {
   using Outcome = std::invoke_result_t<Work&, PeopleRoom&>;
-  ask_people<Outcome>(call, std::move(work), [call, then = std::move(then)](const Outcome& outcome) mutable {
-    if (!outcome)
-      call->fail(problem_of(outcome.error()));
-    else if constexpr (std::is_same_v<Outcome, db::Status>)
-      then();
-    else
-      then(*outcome);
-  });
+  ask_people<Outcome>(
+      call, std::move(work),
+      [call, then = std::move(then)](const Outcome& outcome) mutable {
+        if (!outcome)
+          call->fail(problem_of(outcome.error()));
+        else if constexpr (std::is_same_v<Outcome, db::Status>)
+          then();
+        else
+          then(*outcome);
+      },
+      turn);
 }
 
 // The hash of a new password or PIN.
@@ -636,7 +639,8 @@ void get_audit(const CallPtr& call) {
       call, [page](PeopleRoom& room) { return room.accounts.audit(page.last, page.limit + 1); },
       [call, limit = page.limit](const std::vector<db::AuditRow>& rows) {
         call->respond(page_json(rows, limit, audit_json, [](const db::AuditRow& row) { return std::to_string(row.id); }));
-      });
+      },
+      Turn::after_log);
 }
 
 void check_audit(const CallPtr& call) {
@@ -645,7 +649,8 @@ void check_audit(const CallPtr& call) {
       [call](const db::AuditCheck& check) {
         call->respond(
             json{{"rows", check.rows}, {"first_wrong", check.first_wrong ? json(*check.first_wrong) : json()}, {"head", check.head}});
-      });
+      },
+      Turn::after_log);
 }
 
 }  // namespace hoist::server::api

@@ -11,9 +11,12 @@
 namespace hoist::server {
 
 PeopleDesk::PeopleDesk(std::filesystem::path file, HashLimits limits, Post post)
-    : AnswerDesk([this](std::function<void(PeopleRoom&)> work) { return run(work_, std::move(work), kPeopleWorkLimit); }, std::move(post)),
+    : AnswerDesk([this](std::function<void(PeopleRoom&)> work) { return run(work_, std::move(work), kPeopleWorkLimit); }, post),
       file_(std::move(file)),
-      limits_(limits) {}
+      limits_(limits),
+      // Far fewer than rows may wait: questions never take a row its place.
+      after_log_([this](std::function<void(PeopleRoom&)> work) { return run(audit_, std::move(work), kPeopleWorkLimit); },
+                 std::move(post)) {}
 
 PeopleDesk::~PeopleDesk() { stop(); }
 

@@ -27,6 +27,9 @@ struct PeopleRoom {
 // Work that waits; beyond it requests are refused (503) and audit entries are counted as lost.
 inline constexpr std::size_t kPeopleWorkLimit = 64, kAuditWaitLimit = 1000;
 
+// When work has its turn: before the rows of the audit log that wait, or after them, so that who did something finds it in the log.
+enum class Turn : std::uint8_t { first, after_log };
+
 class PeopleDesk : public AnswerDesk<PeopleRoom> {
  public:
   PeopleDesk(std::filesystem::path file, HashLimits limits, Post post);
@@ -43,6 +46,8 @@ class PeopleDesk : public AnswerDesk<PeopleRoom> {
 
   // Work without an answer; false when too much waits.
   bool tell(std::function<void(PeopleRoom&)> work) { return run(work_, std::move(work), kPeopleWorkLimit); }
+  // Where work of this turn is asked for.
+  [[nodiscard]] AnswerDesk& at(Turn turn) { return turn == Turn::first ? *this : after_log_; }
   // Adds a row to the audit log, in order, without an answer.
   void log(db::AuditEntry entry);
   [[nodiscard]] std::uint64_t lost_entries() const { return lost_entries_; }
@@ -59,7 +64,8 @@ class PeopleDesk : public AnswerDesk<PeopleRoom> {
   std::mutex mutex_;
   std::condition_variable wake_;
   Work work_;
-  Work audit_;  // done when no work waits: no client waits for it
+  Work audit_;  // done when no other work waits
+  AnswerDesk<PeopleRoom> after_log_;
   bool ending_ = false;
   std::uint64_t lost_entries_ = 0;
   std::thread thread_;
