@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { modes, refusals } from '../src/contract/faults.gen';
-import { readinessOf, stillStands, toldFor_ms, type Readiness } from '../src/link/readiness';
+import { batteries, readinessOf, stillStands, toldFor_ms, type Readiness } from '../src/link/readiness';
 import { initial, type State } from '../src/link/store';
 
 const bit = (name: string) => 1 << refusals.find((row) => row.name === name)!.bit;
@@ -118,5 +118,13 @@ describe('a refusal', () => {
     expect(stillStands('no_answer', good, 0)).toBe(true);
     expect(stillStands('no_answer', good, toldFor_ms)).toBe(false);
     expect(stillStands('out_of_range', good, 1e9)).toBe(true);
+  });
+});
+
+describe('the batteries', () => {
+  it('are not known before the input node tells of them; one that is off is', () => {
+    expect(batteries(null)).toEqual([NaN, NaN]);
+    expect(batteries({ battery_a_v: 0, battery_b_v: 0 })).toEqual([NaN, NaN]);
+    expect(batteries({ battery_a_v: 12.5, battery_b_v: 0 })).toEqual([12.5, 0]);
   });
 });

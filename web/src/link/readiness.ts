@@ -1,4 +1,5 @@
 // What can be done now, and how old the values are. Derived only here, from the whole store.
+import type { TickRecord } from '../contract/signals.gen';
 import { refusals, type RefusalName } from '../contract/faults.gen';
 import { moving, stopped, unknown, useStore, type State } from './store';
 
@@ -154,3 +155,7 @@ export function stillStands(reason: string, s: Known, age_ms: number): boolean {
   if (shown.includes(reason)) return ((s.blockedBits >>> bitOf(reason)) & 1) === 1;
   return !passing.includes(reason) || age_ms < toldFor_ms;
 }
+
+/** Voltages of both batteries. Nothing of both: the input node has not told of them yet, NaN; nothing of one is a battery that is off. */
+export const batteries = (r: Pick<TickRecord, 'battery_a_v' | 'battery_b_v'> | null): [number, number] =>
+  r !== null && r.battery_a_v + r.battery_b_v > 0 ? [r.battery_a_v, r.battery_b_v] : [NaN, NaN];

@@ -4,7 +4,7 @@ import { modes } from '../contract/faults.gen';
 import { signOut } from '../link/account';
 import { notify, releaseLease } from '../link/console';
 import { useReading } from '../link/live';
-import { useReadiness } from '../link/readiness';
+import { batteries, useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { addressOf } from '../router';
 import { problemText } from '../text/server';
@@ -157,7 +157,7 @@ function Battery() {
   const { old } = useReadiness();
   const empty_v = useStore((s) => s.parameters.battery_empty_v ?? 22);
   const low_v = useStore((s) => s.parameters.battery_low_v ?? 23);
-  const volts = useReading('power', (r) => (r === null ? NaN : Math.round((r.battery_a_v + r.battery_b_v) * 10) / 10), 1);
+  const volts = useReading('power', (r) => Math.round((batteries(r)[0] + batteries(r)[1]) * 10) / 10, 1);
   const share = Number.isFinite(volts) ? Math.max(0, Math.min(1, (volts - empty_v) / (full_v - empty_v))) : 0;
   return (
     <Item label={t('bar.battery')} value={`${fixed(volts, 1)} V`} old={old}>

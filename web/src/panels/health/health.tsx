@@ -3,7 +3,7 @@ import type { TickRecord } from '../../contract/signals.gen';
 import { useQuery } from '../../link/query';
 import { fetchHealth } from '../../link/console';
 import { live, useReading } from '../../link/live';
-import { useReadiness } from '../../link/readiness';
+import { batteries, useReadiness } from '../../link/readiness';
 import { useStore, type Emergency, type LogLine, type State } from '../../link/store';
 import type { TextKey } from '../../text/en';
 import { reasonText } from '../../text/server';
@@ -212,8 +212,8 @@ export function HealthView() {
       <BusCounts r={r} />
       <section class="card">
         <h2>{t('health.power')}</h2>
-        <Line label={t('health.batteryA')} value={n(r?.battery_a_v, 2, 'V')} />
-        <Line label={t('health.batteryB')} value={n(r?.battery_b_v, 2, 'V')} />
+        <Line label={t('health.batteryA')} value={n(batteries(r)[0], 2, 'V')} />
+        <Line label={t('health.batteryB')} value={n(batteries(r)[1], 2, 'V')} />
         <Line label={t('health.supplyLeft')} value={n(r?.left_supply_v, 2, 'V')} />
         <Line label={t('health.supplyRight')} value={n(r?.right_supply_v, 2, 'V')} />
         <Line label={t('health.currentLeft')} value={n(r?.left_current_a, 2, 'A')} />
