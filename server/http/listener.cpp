@@ -204,7 +204,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
         if (self->limit_ != Clock::time_point::max()) self->wait_for_limit();
         return;
       }
-      self->shared_->counters.add(Count::connections_timed_out);
+      if (!self->draining_) self->shared_->counters.add(Count::connections_timed_out);
       // A request that has begun is told why it is not answered; the reader ends with an error and says it.
       self->timed_out_ = self->reading_ && (self->buffer_.size() > 0 || self->parser_->got_some());
       if (self->timed_out_ && self->stream_)
@@ -543,6 +543,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
     // Our answer must not be lost to a reset because the client is still sending: say that we are done, then read on for a moment.
     stream_->shutdown_send();
+    draining_ = true;
     limit_time(2);
     drain(0);
   }
@@ -593,6 +594,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool unjudged_;
   bool reading_ = false;
   bool timed_out_ = false;
+  bool draining_ = false;  // the last answer is out
   std::shared_ptr<Listener::Shared> shared_;
   std::unique_ptr<Stream> stream_;
   asio::steady_timer deadline_;

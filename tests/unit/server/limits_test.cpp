@@ -249,6 +249,8 @@ TEST_F(Limits, ASlowHeaderIsCutOff_H31) {
   EXPECT_TRUE(body.read_to_end(20000).starts_with("HTTP/1.1 408"));
   EXPECT_EQ(silent.read_to_end(20000), "") << "who asked nothing is told nothing";
   EXPECT_TRUE(silent.closed());
+  EXPECT_EQ(get("/api/v1/status").json()["counters"]["connections_timed_out"], 3)
+      << "each once: not again when the moment ends in which what a client still sends is read";
 }
 
 TEST_F(Limits, EndsWhileClientsAreConnected) {
