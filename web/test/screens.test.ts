@@ -169,6 +169,17 @@ describe('the session chart', () => {
   });
 });
 
+describe.each(sizes)('a study that was pressed, at %i × %i', (...size) => {
+  it('comes into view', { timeout: minutes_ms }, async () => {
+    const page = await open(size, looks[1], 'study');
+    await page.locator(last.study).first().waitFor();
+    await page.locator('.study-list a').first().click();
+    const inView = () => page.locator('.study-head h2').evaluate((title) => title.getBoundingClientRect().bottom < innerHeight / 2);
+    await expect.poll(inView, { timeout: 10_000 }).toBe(true);
+    await page.close();
+  });
+});
+
 describe.each(sizes)('short messages at %i × %i', (...size) => {
   it('cover nothing and move nothing', { timeout: minutes_ms }, async () => {
     const page = await open(size, looks[1], 'walk');

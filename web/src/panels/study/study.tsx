@@ -1,5 +1,5 @@
 // The paper's protocol walked by virtual subjects: start it, follow it, and read each study that was made.
-import { useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { useJob } from '../../link/jobs';
 import { useQuery } from '../../link/query';
 import { rest, wholeList } from '../../link/rest';
@@ -58,7 +58,7 @@ export function StudyView({ part }: PanelProps) {
           </ul>
         </section>
       </div>
-      {chosen === null ? null : <Chosen key={chosen} id={chosen} role={role} whenGone={again} />}
+      {chosen === null ? null : <Chosen key={chosen} id={chosen} asked={part !== null} role={role} whenGone={again} />}
     </div>
   );
 }
@@ -111,20 +111,25 @@ function Evaluate({ whenDone }: { whenDone: () => void }) {
   );
 }
 
-function Chosen({ id, role, whenGone }: { id: number; role: string; whenGone: () => void }) {
-  const asked = useQuery(() => rest('GET /api/v1/studies/{id}', { path: { id } }), [id]);
+/** One study. `asked`: by a press or by its link, so it comes into view, on a narrow screen from below the forms. */
+function Chosen({ id, asked, role, whenGone }: { id: number; asked: boolean; role: string; whenGone: () => void }) {
+  const answer = useQuery(() => rest('GET /api/v1/studies/{id}', { path: { id } }), [id]);
+  const head = useRef<HTMLElement>(null);
   const [sure, setSure] = useState(false);
   const removal = useJob('delete_study', () => {
     whenGone();
     go(addressOf('study'), true);
   });
-  const study = asked.value;
+  const study = answer.value;
+  useEffect(() => {
+    if (asked) head.current?.scrollIntoView({ block: 'start' });
+  }, [asked, study !== null]);
   return (
     <div class="study-detail">
-      <Trouble problem={asked.problem} retry={asked.retry} />
+      <Trouble problem={answer.problem} retry={answer.retry} />
       {study === null ? null : (
         <>
-          <section class="card study-head">
+          <section class="card study-head" ref={head}>
             <h2>{t('study.one', { n: id })}</h2>
             <p>
               {study.report.virtual_subjects ? t('study.sessions', { n: study.sessions.length }) : t('study.ofPeople')}{' '}
