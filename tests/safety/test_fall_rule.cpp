@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "control/core/modes/mode_list.hpp"
+#include "tests/safety/monitor_bench.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test {
@@ -208,6 +209,28 @@ TEST_F(FallRule, H15EachStepOfABodyThatPushesTheHoistOnStandbyIsJudgedByTheRule)
   }
   EXPECT_GT(found_, 30);
   EXPECT_LT(found_, 90);
+}
+
+// Elsewhere than on standby a hoist may be pushed, as in the steps of the calibration, and a drive that is silent tells nothing of its wheel.
+TEST(FallOnStandby, H15OnlyThereAndOnlyByWheelsThatAreHeard) {
+  for (const contract::ModeInfo& mode : contract::kModes) {
+    if (mode.moving || mode.value == static_cast<int>(Mode::protective_stop)) continue;
+    for (const bool silent : {false, true}) {
+      MonitorBench bench;
+      bench.mode = static_cast<Mode>(mode.value);
+      bench.moving = bench.powered = false;
+      send_angles(bench.sensed.left_strut, {.alpha_deg = 14});
+      send_angles(bench.sensed.right_strut, {.alpha_deg = 14});
+      send_angles(bench.sensed.base, {});
+      send_state(bench.sensed.left_drive, 0x40, 0);
+      if (!silent) send_state(bench.sensed.right_drive, 0x40, 0);
+      bench.sensed.odometry.wheel_left_m_s = 0.3;
+      FallDetected monitor;
+      bool falls = false;
+      for (int i = 0; i < 20; ++i) falls = monitor.check(bench.view());
+      EXPECT_EQ(falls, bench.mode == Mode::standby && !silent) << mode.name << (silent ? ", a drive is silent" : "");
+    }
+  }
 }
 
 }  // namespace
