@@ -14,8 +14,9 @@ class ServerWatch {
   [[nodiscard]] News update(std::uint64_t heartbeat, std::uint64_t life = 0) noexcept {
     const std::uint64_t before = heartbeat_;
     const bool moved = known_ && heartbeat != before;
-    const bool another = known_ && life != life_;
-    life_ = life;
+    const bool another = life != life_;
+    // Of the last server that beat: one that begins at the count of the one before is told of when it beats.
+    if (moved || !known_) life_ = life;
     heartbeat_ = heartbeat;
     known_ = true;
     if (moved) {
