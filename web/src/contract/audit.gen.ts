@@ -289,8 +289,8 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     tried: { en: 'pause the sound of the alarms', de: 'den Alarmton unterbrechen' },
   },
   stop: {
-    done: { en: 'pressed STOP', de: 'hat STOP gedrückt' },
-    tried: { en: 'press STOP', de: 'STOP drücken' },
+    done: { en: 'pressed STOP', de: 'hat STOPP gedrückt' },
+    tried: { en: 'press STOP', de: 'STOPP drücken' },
   },
   acknowledge: {
     done: { en: 'released a stop', de: 'hat einen Stopp freigegeben' },

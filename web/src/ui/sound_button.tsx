@@ -85,8 +85,9 @@ export function SoundButton({ alarms }: { alarms: readonly Sounding[] }) {
   // The tap itself lets sound begin; the button only says so.
   if (sound.current.blocked)
     return (
-      <button type="button" class="quiet sound off">
-        {t('sound.off')}
+      <button type="button" class="quiet sound" aria-label={t('sound.off')}>
+        <Icon name="silent" />
+        <span class="sound-words">{t('sound.off')}</span>
       </button>
     );
   if (level !== null)
