@@ -2,7 +2,7 @@
 export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
-  hoist: { mode: string; patient: { code: string } | null; commands: { type: string }[] };
+  hoist: { mode: string; faults: number; patient: { code: string } | null; commands: { type: string }[] };
   /** Who is in control: 0 for nobody. */
   lease: { holder: number };
   /** Long work that was asked for. */
@@ -15,6 +15,8 @@ export interface FakeServer {
   rehearse: (state: object) => void;
   /** A marker of session 3 is this result. */
   markRehearsal: (result: object) => void;
+  /** This fault is in force, until hoist.faults is 0 again. */
+  fault: (name: string) => void;
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }

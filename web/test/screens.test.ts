@@ -180,6 +180,25 @@ describe.each(sizes)('a study that was pressed, at %i × %i', (...size) => {
   });
 });
 
+describe.each(sizes)('an alarm on a page that no finger has touched, at %i × %i', (...size) => {
+  it('can be read whole', { timeout: minutes_ms }, async () => {
+    const page = await open(size, looks[1], 'walk');
+    fake.fault('fall_detected');
+    fake.hoist.mode = 'protective_stop';
+    try {
+      await page.locator('.strip.high').waitFor();
+      await page.locator('.strip .sound').waitFor();
+      const words = page.locator('.strip-words');
+      expect(await words.textContent()).toContain('Patienten aufrichten');
+      expect(await words.evaluate((element) => element.scrollHeight <= element.clientHeight + 1)).toBe(true);
+    } finally {
+      fake.hoist.faults = 0;
+      fake.hoist.mode = 'standby';
+      await page.close();
+    }
+  });
+});
+
 describe.each(sizes)('short messages at %i × %i', (...size) => {
   it('cover nothing and move nothing', { timeout: minutes_ms }, async () => {
     const page = await open(size, looks[1], 'walk');
