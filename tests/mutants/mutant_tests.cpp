@@ -1,6 +1,7 @@
 // Runs the tests linked into it with one mutant in force.
 //   HOIST_MUTANT=N       the number from mutate.py's list; none without it
-//   HOIST_MUTANT_MAP=F   writes to F, for each test, its processor time and which mutants' places it came by: "suite.test<tab>ms<tab>number number ..."
+//   HOIST_MUTANT_MAP=F   writes to F, for each test, its processor time and which mutants' places it came by:
+//                        "suite.test<tab>ms<tab>number number ..."
 #include <gtest/gtest.h>
 
 #include <cstdlib>

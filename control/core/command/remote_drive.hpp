@@ -42,8 +42,8 @@ class RemoteDrive {
   /// A new driver, or none: forgets the commands of the former one.
   void reset() noexcept { *this = RemoteDrive{}; }
 
-  /// A hold-to-run mode begins. A stick that was last seen pushed, or whose commands had stopped, may still be pushed:
-  /// it must pass its middle first. A hold that is older than stop_age_s counts as released.
+  /// A hold-to-run mode begins. A stick that was last seen pushed, or that was lost in the last one, may still be pushed: it must pass its
+  /// middle first. A hold that is older than stop_age_s counts as released.
   void begin(std::uint64_t now_ns, double stop_age_s) noexcept {
     awaits_neutral_ = awaits_neutral_ || !neutral();
     if (age_s(now_ns) > stop_age_s) let_go();
