@@ -249,10 +249,6 @@ function LineButtons({ own, edit, deleted }: { own: Line | null; edit: (line: Li
   const role = useStore((s) => s.role);
   const [sure, setSure] = useState(false);
   const [problem, setProblem] = useState<Problem | null>(null);
-  useEffect(() => {
-    setSure(false);
-    setProblem(null);
-  }, [own?.id]);
   if (role === 'viewer') return null;
   const remove = async (line: Line) => {
     const answer = await rest('DELETE /api/v1/lines/{id}', { path: { id: line.id }, etag: line.etag });
@@ -447,7 +443,7 @@ function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
             <p class="hint">{t(lead === 'user' ? 'task.onWalk' : 'task.onDrive')}</p>
           )}
           {plan.own === null ? null : <p class="hint">{t('line.notLed')}</p>}
-          {driven ? null : <LineButtons own={plan.own} edit={edit} deleted={deleted} />}
+          {driven ? null : <LineButtons key={plan.own?.id} own={plan.own} edit={edit} deleted={deleted} />}
         </section>
         <section class="card floor-card">
           <FloorView exercise={driven ? begun : line.current.exercise} planned={!driven && !justDone && plan.task.line !== null} />
