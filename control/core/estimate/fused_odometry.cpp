@@ -100,9 +100,7 @@ void FusedOdometry::watch_slip(double wheel_rate_rad_s, double dt_s) noexcept {
                                  threshold<contract::Fault::wheel_slip, "apart per rate">(kApartPerRate_s) * turning_rad_s;
     if (std::fabs(apart_rad_) > apart_max_rad) {
       apart_rad_ += given_away_rad_;
-      given_away_rad_ = 0;
       slip_ticks_ = 1;
-      quiet_ = {};
     }
     return;
   }
@@ -125,9 +123,10 @@ void FusedOdometry::update(const Odometry& wheels, const DriveSensor& left, cons
     slip_rate_rad_s_ = 0;
     yaw_rate_rad_s_ = wheels.yaw_rate_rad_s;
   } else {
-    // A new calibration removes its own bias first: what was learnt here shrinks by as much.
-    if (gyro_used_) bias_rad_s_ -= derived.base_yaw_bias_rad_s - calibrated_rad_s_;
+    // A new calibration removes its own bias first: what was learnt here shrinks by as much, also when it came while the gyroscope was silent.
+    if (gyro_known_) bias_rad_s_ -= derived.base_yaw_bias_rad_s - calibrated_rad_s_;
     calibrated_rad_s_ = derived.base_yaw_bias_rad_s;
+    gyro_known_ = true;
     gyro_used_ = true;
     const bool bridged = left.sync_ticks() <= kGyroTicksMost;
     use_gyro({base.yaw_rate_rad_s(), wheels.yaw_rate_rad_s, travel.turn_rad, bridged ? left.sync_ticks() * dt_s : 0.0}, dt_s);

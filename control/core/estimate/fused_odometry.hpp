@@ -63,6 +63,7 @@ class FusedOdometry {
   std::uint16_t slip_ticks_ = 0;
   Lasting quiet_, standing_;
   bool gyro_used_ = false;
+  bool gyro_known_ = false;  // it was used once
 
   static constexpr double kBiasAtStart_rad_s = 0.0175;  // 1 deg/s: the usual offset of a consumer gyroscope
 };

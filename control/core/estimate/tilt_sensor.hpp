@@ -52,7 +52,7 @@ class TiltSensor {
     counter_ = counter;
     judge_liveliness(
         {static_cast<std::int32_t>(contract::read_slot(frame, kAlpha)), static_cast<std::int32_t>(contract::read_slot(frame, kBeta))},
-        steps == 1);
+        known_ && steps == 1);
     const double alpha_rad = static_cast<double>(contract::read_slot(frame, kAlpha)) * (kAlpha.scale * kRadPerDeg);
     const double beta_rad = static_cast<double>(contract::read_slot(frame, kBeta)) * (kBeta.scale * kRadPerDeg);
     // Rates come from angles as sent: a new zero is no movement. The sensor's own counter tells how much time lies between two samples,

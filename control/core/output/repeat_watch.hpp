@@ -39,8 +39,8 @@ class RepeatWatch {
     return count >= threshold<kFault, "stops">(params.fault_stops_max);
   }
 
-  /// Drops stops outside the window. True when there were any: the history must be stored again, because a restart of
-  /// the computer makes every stored stop count as recent.
+  /// Once per step: drops the oldest stop when it has left the window. True then: the history must be stored again, because a restart of the
+  /// computer makes every stored stop count as recent.
   [[nodiscard]] bool expire(std::uint64_t time_ns, const contract::Params& params) noexcept {
     constexpr contract::Fault kFault = contract::Fault::control_fault;
     const double window_s = threshold<kFault, "window", Laxer::lower>(params.fault_stops_window_s);

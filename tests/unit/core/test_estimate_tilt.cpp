@@ -158,8 +158,8 @@ TEST(TiltRule, H4H6H8EachFrameIsReadByTheRule) {
     TiltZero zero;
     double bias = 0;
     std::array<int, 3> rates{500, 0, 0};
-    // No first counter of 1: that sample counts as the next one of a sensor that has sent none.
-    constexpr std::array<std::uint8_t, 6> kFirst{0, 2, 5, 20, 21, 255};
+    // 1, too: a first sample is not the next one of a sensor that has sent none.
+    constexpr std::array<std::uint8_t, 7> kFirst{0, 1, 2, 5, 20, 21, 255};
     node.now.counter = kFirst[seed % kFirst.size()];
     bool begun = false;
     for (int stretch = 0; stretch < 20; ++stretch) {

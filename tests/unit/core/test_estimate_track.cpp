@@ -40,9 +40,10 @@ class TrackRule {
     stood_ = now.stands ? stood_ + 1 : 0;
     const double before_rad = kept_rad_ + gap_rad_;
     if (now.gyro) {
-      // A new calibration takes its own part of the bias away.
-      if (used) bias_rad_s -= now.calibrated_rad_s - calibrated_rad_s_;
+      // A new calibration takes its own part of the bias away, whenever it came.
+      if (known_) bias_rad_s -= now.calibrated_rad_s - calibrated_rad_s_;
       calibrated_rad_s_ = now.calibrated_rad_s;
+      known_ = true;
       watch(now);
     } else {
       if (used) agree();
@@ -127,6 +128,7 @@ class TrackRule {
   double kept_rad_ = 0, gap_rad_ = 0, given_rad_ = 0, calibrated_rad_s_ = 0, remembered_rad_s_ = 0;
   double gap_var_ = 0, both_var_ = 0, bias_var_ = square(0.0175);
   int stood_ = 0, slip_steps_ = 0, quiet_steps_ = 0;
+  bool known_ = false;
 };
 
 // Encoders and gyroscope of a hoist, as frames.
@@ -203,7 +205,7 @@ TEST(TrackRule, H10EachStepIsTrackedByTheRule) {
       if (!rests && random() % 2 == 0) bias_deg_s = one_of({0.2, -1.2, 2.5, -2.6, 3.02, -3.02, 3.5});
       if (jumps) bias_deg_s = std::abs(bias_deg_s) > 2 ? 0 : one_of({2.5, 3.02, -3.02});
       drift_deg_s = random() % 4 == 0 ? one_of({0.002, -0.002, 0.004}) * (rests ? 0 : 1) : 0;
-      if (!rests && hoist.rule.used && random() % 4 == 0) {
+      if (!rests && random() % 4 == 0) {
         hoist.params.base_yaw_bias_rad_s = one_of({0, 0.5, -1}) * kDegree;
         hoist.derived = derive(hoist.params);
       }
@@ -213,7 +215,7 @@ TEST(TrackRule, H10EachStepIsTrackedByTheRule) {
         hoist.rule.x_m = 1, hoist.rule.y_m = -2, hoist.rule.psi_rad = 0.5;
       }
       const int lost = rests ? 0 : static_cast<int>(random() % 7);  // what is lost now and then
-      const int long_loss = static_cast<int>(one_of({2, 4, 5, 9}));
+      const int long_loss = static_cast<int>(one_of({2, 4, 5, 9, 60}));
       for (int i = 0, steps = rests ? 400 : static_cast<int>(one_of({60, 150, 400})); i < steps; ++i) {
         const double noise_deg_s = 0.17 * (static_cast<double>(random() % 2001) / 1000 - 1);
         const double slip_now_deg_s = i >= slip_from && i < slip_to && !stands ? slip_deg_s : 0;
