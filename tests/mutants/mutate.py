@@ -5,6 +5,7 @@ LIST gets one line for each mutant: number, file, line, what changes, and the so
 
 One build serves all mutants. clang reads the sources, so that types and templates are known; nothing is guessed from text but the operator
 between two operands."""
+import collections
 import pathlib
 import sys
 
@@ -160,6 +161,11 @@ def visit(cursor, parent, files, inside):
         return
     begin, end = cursor.extent.start.offset, cursor.extent.end.offset
     children = list(cursor.get_children())
+    # What the compiler computes cannot be switched at run time.
+    if file and kind in FUNCTIONS and 'consteval' in file.text(begin, cursor.location.offset):
+        return
+    if file and kind == Kind.DECL_STMT and file.text(begin, end).removeprefix('static ').startswith(('constexpr ', 'constinit ')):
+        return
     if kind == Kind.VAR_DECL and file:
         if 'constexpr' in file.text(begin, cursor.location.offset) or 'constinit' in file.text(begin, cursor.location.offset):
             return
@@ -222,13 +228,18 @@ def main():
             sys.exit('clang cannot read ' + path + '\n' + '\n'.join(wrong[:5]))
         visit(unit.cursor, None, files, False)
     number, rows = 0, []
+    # The same change at another place of equal lines is told apart, or a reason given for one would hide the other.
+    times = collections.Counter()
     for file in files.values():
         target = out / file.name
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(file.written(number))
         for offset, what in file.mutants:
             line = file.bytes.count(b'\n', 0, offset)
-            rows.append(f'{number}\t{file.name}\t{line + 1}\t{what}\t{file.lines[line].strip()}')
+            source = file.lines[line].strip()
+            times[file.name, what, source] += 1
+            again = f' [{times[file.name, what, source]}]' if times[file.name, what, source] > 1 else ''
+            rows.append(f'{number}\t{file.name}\t{line + 1}\t{what}{again}\t{source}')
             number += 1
     if number > MOST:
         sys.exit(f'{number} mutants: kMost of mutant_switch.hpp and MOST here have room for {MOST}')

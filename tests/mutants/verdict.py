@@ -31,6 +31,12 @@ wanted = parser.parse_args()
 Mutant = collections.namedtuple('Mutant', 'number file line what source')
 mutants = [Mutant(*row.split('\t')) for row in pathlib.Path(wanted.list).read_text().splitlines() if row]
 mutants = [mutant for mutant in mutants if wanted.file in mutant.file]
+
+
+def key(mutant):
+    return mutant.file, mutant.what, mutant.source
+
+
 harmless, floors = set(), {}
 for row in pathlib.Path(wanted.known).read_text().splitlines():
     if row and not row.startswith('#'):
@@ -40,6 +46,11 @@ for row in pathlib.Path(wanted.known).read_text().splitlines():
         else:
             harmless.add((file, rest[0], rest[1]))
 whole = len(mutants)
+# A row whose change is gone from the source would hide what comes to stand there.
+files, changes = {mutant.file for mutant in mutants}, {key(mutant) for mutant in mutants}
+gone = sorted(row for row in harmless - changes if row[0] in files)
+for row in gone:
+    print('NO SUCH CHANGE: ' + '\t'.join(row), flush=True)
 if wanted.sample is not None:
     mutants = [mutant for mutant in mutants if mutant.file not in floors]
     mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
@@ -78,11 +89,7 @@ def noticed(mutant):
     return any(tests and run({'HOIST_MUTANT': mutant.number}, '--gtest_filter=' + ':'.join(tests)) != 0 for tests in tests_of[mutant.number])
 
 
-def key(mutant):
-    return mutant.file, mutant.what, mutant.source
-
-
-tried, unseen, failed = collections.Counter(), collections.Counter(), 0
+tried, unseen, failed = collections.Counter(), collections.Counter(), len(gone)
 free = 0
 with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
     for mutant, seen in zip(mutants, pool.map(noticed, mutants)):
