@@ -569,6 +569,17 @@ struct Bench {
         break;
     }
   }
+  // A request that is under way becomes outdated, or is never answered.
+  void interrupt() {
+    const std::uint64_t what = below(6);
+    if (what == 0) {
+      nodes[rule.asked->node].on = false;
+    } else if (what < 3) {
+      boot(rule.asked->node);
+    } else {
+      change();
+    }
+  }
   // A gain on its way.
   void ramp() {
     for (const Value& value : kValues) params.*value.field *= 1.01;
@@ -592,7 +603,7 @@ struct Bench {
 TEST(OutBusMaster, H3EachStepSendsAndKnowsWhatTheRulesSay) {
   int all_running = 0, other_version = 0, gave_up = 0;
   std::array<int, 5> phases{};
-  for (unsigned seed = 1; seed <= 200; ++seed) {
+  for (unsigned seed = 1; seed <= 45; ++seed) {
     SCOPED_TRACE(seed);
     Bench bench(seed);
     for (FakeNode& node : bench.nodes) {
@@ -602,9 +613,11 @@ TEST(OutBusMaster, H3EachStepSendsAndKnowsWhatTheRulesSay) {
       node.odd_percent = seed % 4 == 0 ? 30 : seed % 2 == 0 ? 2 : 0;
     }
     const std::uint64_t calm = seed % 5 == 0 ? 200 : 40;
-    for (int i = 0; i < 1000; ++i) {
+    const int quiet = seed % 2 == 0 ? 150 : 5;
+    for (int i = 0; i < 700; ++i) {
       bench.begin_step();
-      if (i > 150 && bench.below(calm) == 0) bench.disturb();
+      if (i > quiet && bench.below(calm) == 0) bench.disturb();
+      if (i > quiet && bench.rule.asked && bench.below(40) == 0) bench.interrupt();
       bench.end_step();
       if (testing::Test::HasFatalFailure()) return;
       all_running += bench.rule.all_running ? 1 : 0;
@@ -615,10 +628,10 @@ TEST(OutBusMaster, H3EachStepSendsAndKnowsWhatTheRulesSay) {
       }
     }
   }
-  EXPECT_GT(all_running, 10'000);
-  EXPECT_GT(other_version, 1000);
-  EXPECT_GT(gave_up, 300);
-  for (const int steps : phases) EXPECT_GT(steps, 3000);
+  EXPECT_GT(all_running, 1000);
+  EXPECT_GT(other_version, 100);
+  EXPECT_GT(gave_up, 30);
+  for (const int steps : phases) EXPECT_GT(steps, 500);
 }
 
 // A node in its loader is asked again after a minute and a half, which leaves it the minute that it waits.

@@ -1,5 +1,5 @@
-// The last resort of a stop and the states of one drive: the rules of control/core/output/runaway_watch.hpp and drive_control.hpp, written a second
-// time from their descriptions. Each step must be judged alike.
+// The last resort of a stop and the states of one drive: the rules of control/core/output/runaway_watch.hpp and drive_control.hpp, written a
+// second time from their descriptions. Each step must be judged alike.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -125,7 +125,7 @@ struct Course {
 
 TEST(OutRunaway, H1AStopThatDoesNotStopIsSeenAfter300MsOfAnyOfItsThreeSigns) {
   int alarms = 0, quiet = 0, by_wheel = 0, by_turn = 0, by_current = 0, stood = 0;
-  for (unsigned seed = 1; seed <= 600; ++seed) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -198,11 +198,11 @@ TEST(OutRunaway, H1AStopThatDoesNotStopIsSeenAfter300MsOfAnyOfItsThreeSigns) {
     }
   }
   EXPECT_GT(quiet, 30'000);
-  EXPECT_GT(alarms, 10'000);
-  EXPECT_GT(by_current, 500);
-  EXPECT_GT(by_wheel, 500);
-  EXPECT_GT(by_turn, 100);
-  EXPECT_GT(stood, 3000);
+  EXPECT_GT(alarms, 5000);
+  EXPECT_GT(by_current, 100);
+  EXPECT_GT(by_wheel, 100);
+  EXPECT_GT(by_turn, 30);
+  EXPECT_GT(stood, 1000);
 }
 
 // One drive on its way through CiA 402.

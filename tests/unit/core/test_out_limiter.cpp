@@ -123,7 +123,7 @@ Params any_params(std::mt19937& random) {
 TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
   int gentle = 0, stops = 0, exact = 0;
   std::array<int, 8> causes{};
-  for (unsigned seed = 1; seed <= 600; ++seed) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -134,6 +134,7 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
     Rule rule;
     Braking braking = Braking::none;
     double speed = 0, yaw = 0, drift = 0, limit = 9;
+    int dip = 0;
     for (int i = 0, left = 0; i < 500; ++i) {
       if (left-- == 0) {
         left = one_of(std::array{0, 1, 5, 20, 60, 150});
@@ -171,6 +172,12 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
           drift = left = 0;
         }
       }
+      // Less for a moment, while a turn takes or returns speed.
+      if (dip == 0 && rule.gentle && random() % 20 == 0) dip = 3;
+      if (dip > 0) {
+        asked.m_s = asked.left_m_s = 0.7 * rule.v;
+        --dip;
+      }
       LimitedSpeed limited{asked.m_s};
       if (limit < 9) {
         limited.within(limit, SpeedCause::slope);
@@ -200,11 +207,11 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
       ++causes[static_cast<std::size_t>(rule.cause)];
     }
   }
-  EXPECT_GT(gentle, 15000);
-  EXPECT_GT(stops, 25000);
-  EXPECT_GT(exact, 25000);
+  EXPECT_GT(gentle, 3000);
+  EXPECT_GT(stops, 10'000);
+  EXPECT_GT(exact, 10'000);
   for (const SpeedCause cause : {SpeedCause::none, SpeedCause::cap, SpeedCause::turn, SpeedCause::slope})
-    EXPECT_GT(causes[static_cast<std::size_t>(cause)], 5000) << static_cast<int>(cause);
+    EXPECT_GT(causes[static_cast<std::size_t>(cause)], 1000) << static_cast<int>(cause);
 }
 
 // The last limit that takes anything off is the one in force; less than 0.02 m/s in all is not told.
