@@ -252,5 +252,25 @@ TEST(Runaway, H1ASilentDriveThatRunsOnIsSeenByTheGyroscope) {
   }
 }
 
+TEST(Runaway, H1AHoistThatTellsNothingHasNotStood) {
+  for (const bool gyro_silent : {false, true}) {
+    SCOPED_TRACE(gyro_silent);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(200, 0.9);
+    hoist.drive_left.silent = hoist.drive_right.silent = true;
+    hoist.tilt_base.silent = gyro_silent;
+    ASSERT_TRUE(hoist.reach(Mode::protective_stop, 30));
+    hoist.step(20);
+    // A hoist that rolls straight does not turn: its gyroscope alone cannot tell that it stands.
+    hoist.drive_left.silent = hoist.drive_right.silent = hoist.tilt_base.silent = false;
+    run_away(hoist.drive_left, 0.6, 0);
+    run_away(hoist.drive_right, 0.6, 0);
+    const int released = ticks_until_released(hoist, 100);
+    EXPECT_GT(released, 0);
+    EXPECT_LE(released, 40);
+  }
+}
+
 }  // namespace
 }  // namespace hoist::core::test

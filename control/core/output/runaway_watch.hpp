@@ -85,13 +85,18 @@ class RunawayWatch {
 
   static void follow(double& value, double command, double dt_s) noexcept { value += (command - value) * (dt_s / kFollow_s); }
 
-  /// Whether this stop has come to rest once. What is not known does not stand.
+  /// Whether this stop has come to rest once: two of the three tell of standing and none of motion. One alone does not know: a hoist turns about a
+  /// wheel that stands, and rolls straight without turning.
   [[nodiscard]] bool stood(const Estimate& sensed) noexcept {
     if (stood_.reached(kStoodTicks)) return true;
-    const bool stands = (sensed.left_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_left_m_s) < kStands_m_s) &&
-                        (sensed.right_drive.fresh().lost() || std::fabs(sensed.odometry.wheel_right_m_s) < kStands_m_s) &&
-                        (sensed.base.rates_fresh().lost() || std::fabs(sensed.base.yaw_rate_rad_s()) < kStands_rad_s);
-    return stood_.step(stands, kStoodTicks);
+    int stand = 0, move = 0;
+    const auto hear = [&](const Freshness& fresh, double now, double stands) {
+      if (!fresh.lost()) ++(std::fabs(now) < stands ? stand : move);
+    };
+    hear(sensed.left_drive.fresh(), sensed.odometry.wheel_left_m_s, kStands_m_s);
+    hear(sensed.right_drive.fresh(), sensed.odometry.wheel_right_m_s, kStands_m_s);
+    hear(sensed.base.rates_fresh(), sensed.base.yaw_rate_rad_s(), kStands_rad_s);
+    return stood_.step(stand >= 2 && move == 0, kStoodTicks);
   }
 
   double left_m_s_ = 0, right_m_s_ = 0;  // what the wheels should do by now
