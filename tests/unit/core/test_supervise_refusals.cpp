@@ -1,8 +1,10 @@
-// Which mode follows which, and what speaks against it: the table in README.md ("Modes"), the words of transitions.hpp and of the refusals in
-// faults.def, written a second time. Every reason is told at once.
+// Which mode follows which, and what speaks against it: the table in control/README.md ("Modes"), the words of transitions.hpp and of the
+// refusals in faults.def, written a second time. Every reason is told at once.
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "control/core/modes/mode_list.hpp"
 #include "control/core/supervise/refusals.hpp"
