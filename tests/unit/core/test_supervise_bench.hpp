@@ -90,7 +90,9 @@ struct Met {
 struct Bases {
   CoreState ready;  // STANDBY, client 7 leads, nothing is against a start
   std::vector<Met> met;
+  MonitorList odd;  // they have seen a twisted pelvis and wheels that are held back: detail code 1 of both
 };
+MonitorList odd_monitors(CoreState seen);
 inline const Bases& bases() {
   static const Bases all = [] {
     Bases made;
@@ -105,6 +107,7 @@ inline const Bases& bases() {
         if (!real && !other) made.ready = hoist.state;
         made.met.push_back({hoist.state.master, !real, other});
       }
+    made.odd = odd_monitors(made.ready);
     return made;
   }();
   return all;
@@ -118,9 +121,10 @@ inline contract::CanFrame angles(double alpha_deg, double beta_deg, std::uint8_t
   contract::write_slot(frame, contract::pdo_slot(contract::Pdo::tilt_tx1, 0x2121), counter);
   return frame;
 }
-inline contract::CanFrame drive_state(std::uint16_t status) {
+inline contract::CanFrame drive_state(std::uint16_t status, double current_norm = 0) {
   contract::CanFrame frame{0, 8, 0, {}};
   contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_tx1, 0x6041), status);
+  contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_tx1, 0x6078), std::lround(current_norm * 1000));
   return frame;
 }
 inline contract::CanFrame supply(std::uint16_t error, double supply_v) {
@@ -128,6 +132,42 @@ inline contract::CanFrame supply(std::uint16_t error, double supply_v) {
   contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_tx2, 0x603F), error);
   contract::write_slot(frame, contract::pdo_slot(contract::Pdo::drive_tx2, 0x2211), std::lround(supply_v * 100));
   return frame;
+}
+
+/// A pelvis turned by 28 degrees, and two wheels that stand while they are to roll and their motors push.
+inline MonitorList odd_monitors(CoreState seen) {
+  seen.sensed.left_strut.restart();
+  seen.sensed.left_strut.take_angles(angles(14, 0, 3));
+  seen.sensed.right_strut.restart();
+  seen.sensed.right_strut.take_angles(angles(-14, 0, 3));
+  for (DriveSensor* drive : {&seen.sensed.left_drive, &seen.sensed.right_drive})
+    static_cast<void>(drive->take_state(drive_state(0x27, 0.9), 1e9));
+  seen.sensed.odometry = {};
+  const MonitorView view{.sensed = seen.sensed,
+                         .health = seen.health,
+                         .params = seen.params,
+                         .mode = Mode::user,
+                         .moving = true,
+                         .powered = true,
+                         .latched = 0,
+                         .left_command_m_s = 0.6,
+                         .right_command_m_s = 0.6,
+                         .left_control = seen.left_control,
+                         .right_control = seen.right_control,
+                         .bus_up = true,
+                         .bus_settled = true,
+                         .server_alive = true,
+                         .server_seen = true,
+                         .console_gone = false,
+                         .remote_lost = false,
+                         .held_back = false,
+                         .relay_cut = false,
+                         .bumpers_acknowledged = 0,
+                         .wake_lateness_s = 0,
+                         .ticks = 1000,
+                         .dt_s = 0.01};
+  for (int i = 0; i < 20; ++i) static_cast<void>(check_all(seen.monitors, view));
+  return seen.monitors;
 }
 
 template <typename Sensor>
