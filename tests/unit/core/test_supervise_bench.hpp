@@ -82,37 +82,6 @@ struct Facts {
   std::uint8_t touching = 0, known_touching = 0;
 };
 
-/// A set of nodes that were met.
-struct Met {
-  BusMaster master;
-  bool simulated = false, other_version = false;
-};
-struct Bases {
-  CoreState ready;  // STANDBY, client 7 leads, nothing is against a start
-  std::vector<Met> met;
-  MonitorList odd;  // they have seen a twisted pelvis and wheels that are held back: detail code 1 of both
-};
-MonitorList odd_monitors(CoreState seen);
-inline const Bases& bases() {
-  static const Bases all = [] {
-    Bases made;
-    for (const bool real : {false, true})
-      for (const bool other : {false, true}) {
-        ScriptedHoist hoist;
-        hoist.real = real;
-        std::uint32_t serial = 0x1001;
-        hoist.each([&serial](contract::Node, FakeNode& node) { node.serial = serial++; });
-        if (other) hoist.tilt_right.revision = kRevision + 0x00010000;
-        EXPECT_TRUE(hoist.ready());
-        if (!real && !other) made.ready = hoist.state;
-        made.met.push_back({hoist.state.master, !real, other});
-      }
-    made.odd = odd_monitors(made.ready);
-    return made;
-  }();
-  return all;
-}
-
 inline contract::CanFrame angles(double alpha_deg, double beta_deg, std::uint8_t status, std::uint8_t counter = 1) {
   contract::CanFrame frame{0, 6, 0, {}};
   contract::write_slot(frame, contract::pdo_slot(contract::Pdo::tilt_tx1, 0x6010), std::lround(alpha_deg * 1000));
@@ -168,6 +137,36 @@ inline MonitorList odd_monitors(CoreState seen) {
                          .dt_s = 0.01};
   for (int i = 0; i < 20; ++i) static_cast<void>(check_all(seen.monitors, view));
   return seen.monitors;
+}
+
+/// A set of nodes that were met.
+struct Met {
+  BusMaster master;
+  bool simulated = false, other_version = false;
+};
+struct Bases {
+  CoreState ready;  // STANDBY, client 7 leads, nothing is against a start
+  std::vector<Met> met;
+  MonitorList odd;  // they have seen a twisted pelvis and wheels that are held back: detail code 1 of both
+};
+inline const Bases& bases() {
+  static const Bases all = [] {
+    Bases made;
+    for (const bool real : {false, true})
+      for (const bool other : {false, true}) {
+        ScriptedHoist hoist;
+        hoist.real = real;
+        std::uint32_t serial = 0x1001;
+        hoist.each([&serial](contract::Node, FakeNode& node) { node.serial = serial++; });
+        if (other) hoist.tilt_right.revision = kRevision + 0x00010000;
+        EXPECT_TRUE(hoist.ready());
+        if (!real && !other) made.ready = hoist.state;
+        made.met.push_back({hoist.state.master, !real, other});
+      }
+    made.odd = odd_monitors(made.ready);
+    return made;
+  }();
+  return all;
 }
 
 template <typename Sensor>

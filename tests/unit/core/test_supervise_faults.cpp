@@ -1,5 +1,6 @@
 // Which faults are in force, what they are about, and what they stop: control/DECISIONS.md (13, 37, 38, 54, 76, 80 to 84), the tables of
-// faults.def and the words of fault_latch.hpp, supervisor.hpp and state.hpp, written a second time and compared in one step from any situation.
+// faults.def and the words of fault_latch.hpp, supervisor.hpp and state.hpp, written a second time and compared in one step from any
+// situation.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -280,7 +281,7 @@ class FaultRule {
     for (const contract::FaultInfo& row : contract::kFaults) {
       const FaultBits own = FaultBits{1} << row.bit;
       const bool explained = std::any_of(contract::kExplanations.begin(), contract::kExplanations.end(), [&](const auto& one) {
-        return place(one.effect) == row.bit && (latched_at_judging() & set_of({one.cause})) != 0;
+        return place(one.effect) == row.bit && (latched & set_of({one.cause})) != 0;
       });
       if ((causes & own & stops() & ~kNoMachine) == 0 || explained || (outside_rule(codes) & own) != 0) continue;
       changed = true;
@@ -291,7 +292,6 @@ class FaultRule {
     raised |= kTooMany;
     keep_rule(codes, detail_, latched, kTooMany, ticks);
   }
-  [[nodiscard]] FaultBits latched_at_judging() const { return latched; }
 
   const CoreState& before_;
   Detail detail_;

@@ -1,4 +1,5 @@
-// Acknowledging a stop (control/DECISIONS.md, 13, 37, 43, 61, 74, 80 and 83): what opens the way, what it covers, and what the answer waits for.
+// Acknowledging a stop (control/DECISIONS.md, 13, 37, 43, 61, 74, 80 and 83): what opens the way, what it covers, and what the answer waits
+// for.
 #include <gtest/gtest.h>
 
 #include <bit>
