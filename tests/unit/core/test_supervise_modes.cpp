@@ -1,5 +1,5 @@
-// Every change of the mode: what begins anew, what is told, who may ask (control/README.md, "Modes"; control/DECISIONS.md, 27, 28, 37, 38, 54,
-// 77 and 84; the words of supervisor.hpp, service.hpp, calibration_entry.hpp and of the modes that do not move), written a second time.
+// Every change of the mode: what begins anew, what is told, who may ask (control/README.md, "Modes"; control/DECISIONS.md, 27, 28, 37, 38,
+// 54, 77 and 84; the words of supervisor.hpp, service.hpp, calibration_entry.hpp and of the modes that do not move), written a second time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
