@@ -298,7 +298,8 @@ double shown_of_bar(const CoreState& state) noexcept {
   const double left_m = state.params.strut_length_m * std::tan(struts.alpha_left_rad),
                right_m = state.params.strut_length_m * std::tan(struts.alpha_right_rad);
   if (state.in_mode.calibration.step == CalibrationStep::strut_length) return (left_m + right_m) / 2.0;
-  return std::atan((right_m - left_m) / state.params.strut_spacing_m);
+  // A rigid bar, as what is entered is taken (DECISIONS.md, 32); while hands pull at it, the struts may be further apart than it can turn them.
+  return std::asin(std::clamp((right_m - left_m) / state.params.strut_spacing_m, -1.0, 1.0));
 }
 
 bool wheels_moved(const CoreState& state) noexcept {
