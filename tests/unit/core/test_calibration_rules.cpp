@@ -327,7 +327,8 @@ class Rule {
                  right = std::tan(now_[kRightAlpha] - p_.right_alpha_zero_rad - base);
     if (step == CalibrationStep::strut_length) value = p_.strut_length_m * (left + right) / 2;
     // A rigid bar (DECISIONS.md, 32).
-    if (step == CalibrationStep::strut_spacing) value = std::asin(std::clamp(p_.strut_length_m * (right - left) / p_.strut_spacing_m, -1.0, 1.0));
+    if (step == CalibrationStep::strut_spacing)
+      value = std::asin(std::clamp(p_.strut_length_m * (right - left) / p_.strut_spacing_m, -1.0, 1.0));
     if (step == CalibrationStep::wheel_radius) value = (left_way_m() + right_way_m()) / 2;
     if (step == CalibrationStep::track) value = (right_way_m() - left_way_m()) / p_.track_width_m;
     // A way is measured from rest to rest.

@@ -94,9 +94,9 @@ struct RunawayRule {
     driven_ms = std::max(0, driven_ms + (driven ? dt_ms : -dt_ms));
     if (stops && !stood) {
       // The first standstill: ten steps of all that reports, and at least two of the three do.
-      const bool stands = (seen.left.lost() || std::fabs(seen.left_m_s) < 0.05) &&
-                          (seen.right.lost() || std::fabs(seen.right_m_s) < 0.05) && (seen.rates_lost || std::fabs(seen.turn_rad_s) < 0.07) &&
-                          seen.left.lost() + seen.right.lost() + seen.rates_lost < 2;
+      const bool stands =
+          (seen.left.lost() || std::fabs(seen.left_m_s) < 0.05) && (seen.right.lost() || std::fabs(seen.right_m_s) < 0.05) &&
+          (seen.rates_lost || std::fabs(seen.turn_rad_s) < 0.07) && seen.left.lost() + seen.right.lost() + seen.rates_lost < 2;
       stands_steps = stands ? stands_steps + 1 : 0;
       stood = stands_steps == 10;
     }
