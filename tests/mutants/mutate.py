@@ -7,6 +7,7 @@ One build serves all mutants. clang reads the sources, so that types and templat
 between two operands."""
 import collections
 import pathlib
+import re
 import sys
 
 import clang.cindex as ci
@@ -35,6 +36,7 @@ class File:
         self.name = name
         self.bytes = (top / name).read_bytes()
         self.lines = self.bytes.decode().split('\n')
+        self.arguments = [found.span() for found in re.finditer(rb'\btemplate \w+<[^<>]*>', self.bytes)]  # of member templates
         # offset -> texts put there: openings from the outermost on, closings from the innermost on.
         self.opened, self.closed, self.replaced = {}, {}, {}
         self.seen = set()
@@ -170,6 +172,8 @@ def visit(cursor, parent, files, inside):
         if 'constexpr' in file.text(begin, cursor.location.offset) or 'constinit' in file.text(begin, cursor.location.offset):
             return
         children = [child for child in children if child.extent.start.offset > cursor.location.offset]
+        if cursor.type.kind == TypeKind.CONSTANTARRAY:
+            children = [child for child in children if file.text(child.extent.start.offset - 1, child.extent.start.offset) != '[']
     if kind == Kind.CASE_STMT:
         children = children[1:]
     if kind in (Kind.DECL_REF_EXPR, Kind.MEMBER_REF_EXPR, Kind.TYPE_REF, Kind.TEMPLATE_REF):
@@ -178,6 +182,8 @@ def visit(cursor, parent, files, inside):
             children = [child for child in children if child not in literals]
     if kind == Kind.IF_STMT and file and file.text(begin, begin + 14).startswith('if constexpr'):
         children = children[1:]
+    if file and kind in LITERALS and any(first < begin < last for first, last in file.arguments):
+        return
     if inside and file and (begin, end, kind) not in file.seen and end > begin:
         writer = Writer(file)
         file.seen.add((begin, end, kind))
