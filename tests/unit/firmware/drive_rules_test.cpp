@@ -1,5 +1,5 @@
 // The speed of a motor and the heat of its winding against their rules, written a second time in double from their descriptions
-// (firmware/nodes/drive/speed_estimate.hpp and winding.hpp, DECISIONS.md 13, 14 and 15; hazards H2 and H11). Each step must be judged alike.
+// (firmware/nodes/drive/speed_estimate.hpp and winding.hpp, DECISIONS.md 13 to 15; hazards H2 and H11). Each step must be judged alike.
 #include <gtest/gtest.h>
 
 #include <algorithm>
