@@ -135,13 +135,9 @@ class TiltNode {
   void on_heartbeat_lost() {}
   void on_nmt(NmtState, NmtState) {}
   void on_power_on() {
-    axes_ = {};
-    restart_settling();
-    after_ = {};
-    yaw_bias_rad_s_ = 0;
-    started_ = converged_ = failed_ = missing_ = doubtful_ = false;
+    begin_anew();
+    failed_ = missing_ = false;
     failures_ = 0;
-    start_age_ms_ = 0;
     stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
     if (!set_mounting(stack_.values().template get<0x2104>())) give_up(false);  // kept by a program that knew others
     sync_age_ms_ = kAgeMax;
@@ -152,12 +148,7 @@ class TiltNode {
     if (index != 0x2104) return SdoAbort::none;
     if (stack_.operational()) return SdoAbort::device_state;
     if (!set_mounting(static_cast<std::uint8_t>(raw))) return SdoAbort::range;
-    // All angles were of another direction: restart everything.
-    axes_ = {};
-    restart_settling();
-    after_ = {};
-    started_ = converged_ = false;
-    start_age_ms_ = 0;  // and so does the time that the first reading may take
+    begin_anew();  // all angles and rates were of other directions
     return SdoAbort::none;
   }
 
@@ -306,6 +297,16 @@ class TiltNode {
     if (started_ && failures_ < kTiltReadFailuresMax && ++failures_ == kTiltReadFailuresMax) give_up(false);
     if (!converged_) restart_settling();
     publish_status(0);
+  }
+
+  // Nothing is known of the sensor any more, and the time that its first reading may take begins.
+  void begin_anew() {
+    axes_ = {};
+    restart_settling();
+    after_ = {};
+    yaw_bias_rad_s_ = 0;
+    started_ = converged_ = doubtful_ = false;
+    start_age_ms_ = 0;
   }
 
   void restart_settling() {
