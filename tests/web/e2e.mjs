@@ -862,7 +862,8 @@ const cases = {
       for (const [screen, most_bytes_s] of Object.entries(most)) {
         await second.goto(`${stack.origin}/#/${screen}`);
         // What a page is told when it connects is no rate.
-        await until(`${screen} shows the hoist`, async () => (await second.locator('.mode strong').textContent().catch(() => 'Starting')) !== 'Starting');
+        const known = async () => (await second.locator('.mode strong').textContent().catch(() => 'Starting')) !== 'Starting';
+        await until(`${screen} shows the hoist`, known);
         await sleep(1000);
         const bytes_s = await perSecond();
         told.push(`${screen} ${bytes_s}`);

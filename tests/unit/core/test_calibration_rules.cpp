@@ -716,8 +716,20 @@ struct Ends {
     ++reasons[static_cast<std::size_t>(bench.rule.reason)];
     results += bench.found ? 1 : 0;
   }
+  // How it came out, for some a minute in which nothing happens, and its end.
+  void close(Bench& bench, bool waits) {
+    count(bench);
+    if (waits) bench.wait_long();
+    bench.finish();
+  }
   [[nodiscard]] int of(CalibrationReason reason) const { return reasons[static_cast<std::size_t>(reason)]; }
 };
+
+// Pairs are doubted for each of three reasons.
+void expect_every_doubt(const Ends& ends) {
+  for (const CalibrationReason reason : {CalibrationReason::too_little, CalibrationReason::implausible, CalibrationReason::disagree})
+    EXPECT_GT(ends.of(reason), 0) << static_cast<int>(reason);
+}
 
 // Each quantity wanders well within its bound, one of them near it or beyond.
 void wander(Bench& bench, const Still& still, double most_norm) {
@@ -763,9 +775,7 @@ TEST(CalibrationRules, ZerosAndTurnRateAreMeansOfFiveSecondsAtRest) {
       EXPECT_TRUE(bench.rule.over());
       bench.ticks(3);
       EXPECT_NE(bench.enter(0), 0U);
-      ends.count(bench);
-      if (seed % 4 == 0) bench.wait_long();
-      bench.finish();
+      ends.close(bench, seed % 4 == 0);
     }
     EXPECT_GT(ends.results, 2);
     EXPECT_GT(ends.of(gyro ? CalibrationReason::still_settling : CalibrationReason::zero_too_large), 0);
@@ -792,8 +802,7 @@ TEST(CalibrationRules, TheNeutralPostureIsTheMeanOfASecondOfTheStep) {
     }
     EXPECT_TRUE(bench.rule.over());
     bench.ticks(3);
-    ends.count(bench);
-    bench.finish();
+    ends.close(bench, false);
   }
   EXPECT_GT(ends.results, 10);
   EXPECT_GT(ends.of(CalibrationReason::posture_too_far), 5);
@@ -859,14 +868,11 @@ TEST(CalibrationRules, ABarIsMeasuredFromPlacesThatItIsHeldAt) {
       }
       most = std::max(most, taken);
       bench.ticks(2);
-      ends.count(bench);
-      if (seed % 6 == 0) bench.wait_long();
-      bench.finish();
+      ends.close(bench, seed % 6 == 0);
     }
     EXPECT_EQ(most, 10) << "all eight, and one too many";
     EXPECT_GT(ends.results, 4);
-    for (const CalibrationReason reason : {CalibrationReason::too_little, CalibrationReason::implausible, CalibrationReason::disagree})
-      EXPECT_GT(ends.of(reason), 0) << static_cast<int>(reason);
+    expect_every_doubt(ends);
   }
 }
 
@@ -895,14 +901,11 @@ TEST(CalibrationRules, WheelsAreMeasuredFromRestToRest) {
       }
       most = std::max(most, taken);
       bench.ticks(2);
-      ends.count(bench);
-      if (seed % 6 == 0) bench.wait_long();
-      bench.finish();
+      ends.close(bench, seed % 6 == 0);
     }
     EXPECT_EQ(most, 10) << "all eight, and one too many";
     EXPECT_GT(ends.results, 3);
-    for (const CalibrationReason reason : {CalibrationReason::too_little, CalibrationReason::implausible, CalibrationReason::disagree})
-      EXPECT_GT(ends.of(reason), 0) << static_cast<int>(reason);
+    expect_every_doubt(ends);
     EXPECT_GT(ends.of(CalibrationReason::not_still), 0);
     if (radius) {
       EXPECT_GT(ends.of(CalibrationReason::not_straight), 0);
@@ -936,9 +939,7 @@ TEST(CalibrationRules, SquaresDrivenBothWaysBecomeTrackAndWheels) {
       full = bench.enter(side, part, x, y) == refusal_bit(Refusal::out_of_order) || full;
       if (dice.chance(0.05)) bench.enter(side, part, std::numeric_limits<double>::quiet_NaN(), 0);
     }
-    ends.count(bench);
-    if (seed % 20 == 0) bench.wait_long();
-    bench.finish();
+    ends.close(bench, seed % 20 == 0);
   }
   EXPECT_TRUE(full);
   EXPECT_GT(ends.results, 15);
@@ -1002,8 +1003,7 @@ TEST(CalibrationRules, EachBumperIsPressedOnceInItsOrder) {
     bench.now.bumpers = 0;
     bench.ticks(3);
     if (dice.chance(0.3)) bench.wait_long();
-    ends.count(bench);
-    bench.finish();
+    ends.close(bench, false);
   }
   EXPECT_GT(ends.results, 10);
   for (const CalibrationReason reason :
@@ -1040,9 +1040,7 @@ TEST(CalibrationRules, H7TheBarIsMovedThreeWaysAndComesBack) {
       bench.move_to(thousandths(upright), 5);
       bench.ticks(2);
     }
-    ends.count(bench);
-    if (seed % 10 == 0) bench.wait_long();
-    bench.finish();
+    ends.close(bench, seed % 10 == 0);
   }
   EXPECT_GT(ends.results, 5);
   EXPECT_GT(ends.of(CalibrationReason::bar_other_way) + ends.of(CalibrationReason::left_strut_turned), 0);

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <random>
 
 #include "control/core/law/path_follower.hpp"
 #include "control/core/modes/mode_list.hpp"
+#include "tests/unit/core/dice.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test::rule {
@@ -34,17 +34,6 @@ struct HandRule {
   bool leaving = false, drives = false, lost = false;
   double fresh_norm = 0;
   Braking braking = Braking::none;
-};
-
-class Dice {
- public:
-  explicit Dice(std::uint32_t seed) : random_(seed) {}
-  double any(double least, double most) { return std::uniform_real_distribution<double>(least, most)(random_); }
-  bool chance(double norm) { return any(0, 1) < norm; }
-  std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
-
- private:
-  std::mt19937 random_;
 };
 
 /// A random hand, and the state with it.

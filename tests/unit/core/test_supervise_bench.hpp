@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <initializer_list>
 #include <iterator>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "control/core/standstill.hpp"
+#include "tests/unit/core/dice.hpp"
 #include "tests/unit/core/scripted_hoist.hpp"
 
 namespace hoist::core::test::supervise {
@@ -17,21 +17,6 @@ namespace hoist::core::test::supervise {
 using contract::Event;
 using contract::FaultBits;
 using contract::Reaction;
-
-class Dice {
- public:
-  explicit Dice(std::uint32_t seed) : random_(seed) {}
-  double any(double least, double most) { return std::uniform_real_distribution<double>(least, most)(random_); }
-  bool chance(double norm) { return any(0, 1) < norm; }
-  std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random_); }
-  template <typename T>
-  T of(std::initializer_list<T> all) {
-    return std::data(all)[below(all.size())];
-  }
-
- private:
-  std::mt19937 random_;
-};
 
 // ----- sets of faults, from faults.def and the words beside each rule -----
 
