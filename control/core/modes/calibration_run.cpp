@@ -551,8 +551,9 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
     return false;
   }
   if (++c.idle_ticks >= kCalibrationIdleTicks) {
-    c.reason = c.step == CalibrationStep::bumpers && c.phase == CalibrationPhase::operator_ ? CalibrationReason::bumper_dead
-                                                                                            : CalibrationReason::timed_out;
+    const bool no_bumper = c.step == CalibrationStep::bumpers && c.phase == CalibrationPhase::operator_;
+    // A refused step that nobody took up again ends with what was refused: the records would else know only the wait.
+    if (c.phase != CalibrationPhase::refused) c.reason = no_bumper ? CalibrationReason::bumper_dead : CalibrationReason::timed_out;
     return false;
   }
   if (c.phase != CalibrationPhase::result && c.phase != CalibrationPhase::refused) watch_step(state);
