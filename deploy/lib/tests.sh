@@ -35,7 +35,8 @@ run_ctest() {
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
     GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
     "$@" ctest --test-dir "$folder" -j "$jobs" --timeout "$ctest_timeout_s" --output-on-failure \
-    --test-output-size-failed "$size" -R "$filter" "${proofs[@]}" --output-junit "$results/ctest.xml" </dev/null || return 0
+    --test-output-size-failed "$size" -R "$filter" "${proofs[@]}" --output-junit "$results/ctest.xml" </dev/null || true
+  : >"$results/ctest.ended"
 }
 
 # The programs in which two threads share something: the server with its recorder, and the shared memory between core and server.
@@ -128,26 +129,28 @@ end_beside() {
   return "$status"
 }
 
-# run_console_suites RESULTS FILTER: the browser tests and the console's unit tests wait more than they compute, so they run beside each other and
-# beside what computes.
+# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority.
+give_way() { renice -n 15 "$BASHPID" >/dev/null; }
+
+# The longest two suites that walk in real time, or all of ctest, are over.
+real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; }; }
+
+# run_console_suites RESULTS FILTER: the console's unit tests compute; the browser tests wait more than that, but not beside the suites that walk in
+# real time: a browser is a session of its own, and the kernel shares the processors among sessions before it looks at priorities.
 run_console_suites() {
-  local results=$1 filter=$2
-  run_web_tests "$results" "$filter" >"$results/unit.log" 2>&1 &
+  local results=$1 filter=$2 unit
+  (give_way && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
+  unit=$!
+  until real_time_over "$results"; do sleep 1; done
   run_browser_tests "$results" "$filter"
-  wait
+  wait "$unit"
   cat "$results/unit.log"
 }
-# run_suites RESULTS FILTER: every suite of the normal build. Those of the console not beside the longest two that walk in real time: a browser is a
-# session of its own, and the kernel shares the processors among sessions before it looks at priorities.
-run_console_after_real_time() {
-  until { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; } || [ -e "$1/ctest.ended" ]; do sleep 1; done
-  run_console_suites "$@"
-}
+# run_suites RESULTS FILTER: every suite of the normal build.
 run_suites() {
   local results=$1 filter=$2
-  begin_beside "$results/web.log" run_console_after_real_time "$results" "$filter"
+  begin_beside "$results/web.log" run_console_suites "$results" "$filter"
   run_ctest build "$results" "$filter"
-  : >"$results/ctest.ended"
   end_beside || record_step "$results" failed web "the tests of the console ended badly"
 }
 

@@ -69,9 +69,6 @@ else
 fi
 build_web
 
-# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority.
-give_way() { renice -n 15 "$BASHPID" >/dev/null; }
-
 # The tests of the normal build first: they find most, and soonest. With the long tests in full, a browser beside them starves the suites in real
 # time; it does not mind what computes.
 HOIST_THOROUGH=yes HOIST_PROOFS=yes timed "C++ tests" run_ctest build "$normal" .
