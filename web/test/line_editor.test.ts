@@ -17,6 +17,7 @@ import {
   type Draft,
 } from '../src/panels/exercises/draft';
 import { exercises, usualOwnLine } from '../src/contract/exercises.gen';
+import { en } from '../src/text/en';
 import { tasks } from '../src/text/tasks';
 import { ownPath } from '../src/ui/own_line';
 import { eachPage, minutes_ms } from '../test-support/browser';
@@ -122,5 +123,25 @@ describe('the free floor', { timeout: minutes_ms }, () => {
     await page.evaluate(() => localStorage.setItem('hoist.floor', '{"along_m": "wide"}'));
     await page.reload();
     await (await along()).getByText('6.0 m').waitFor();
+  });
+});
+
+describe('a form', { timeout: minutes_ms }, () => {
+  const open = eachPage(1280, 800);
+  it('says what Save still waits for, and nothing moves when it has it', async () => {
+    const { fake, page } = await open();
+    await page.goto(`${fake.url}#/exercises`);
+    await page.getByRole('button', { name: tasks.en['line.draw'] }).click();
+    const form = page.getByRole('form', { name: tasks.en['line.title'] });
+    const save = form.getByRole('button', { name: en['common.save'] });
+    const missing = form.getByText(en['common.missing'].replace('{fields}', tasks.en['line.name']));
+    await missing.waitFor();
+    for (let i = 0; i < 3; i++) await page.getByRole('button', { name: tasks.en['line.add'] }).click();
+    expect(await save.isDisabled()).toBe(true);
+    const before = await form.boundingBox();
+    await form.getByLabel(tasks.en['line.name']).fill('Hall');
+    await missing.waitFor({ state: 'detached' });
+    expect(await save.isEnabled()).toBe(true);
+    expect(await form.boundingBox()).toEqual(before);
   });
 });

@@ -210,6 +210,7 @@ export const de: Table = {
   'nav.label': 'Seiten',
   'common.close': 'Schließen',
   'common.save': 'Speichern',
+  'common.missing': 'Noch nötig: {fields}',
   'common.undo': 'Zurücknehmen',
   'common.loading': 'Lädt …',
   'common.languageLost': 'Diese Sprache konnte nicht geladen werden.',

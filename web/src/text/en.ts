@@ -214,6 +214,7 @@ export const en = {
   'nav.label': 'Screens',
   'common.close': 'Close',
   'common.save': 'Save',
+  'common.missing': 'Still needed: {fields}',
   'common.undo': 'Undo',
   'common.loading': 'Loading …',
   'common.languageLost': 'This language could not be loaded.',

@@ -176,7 +176,11 @@ export function LineEditor({ line, close }: { line: Line | null; close: (saved: 
             </dl>
             <Verdict draft={draft} judged={judged} />
             <Trouble problem={problem} />
-            <FormButtons ready={!busy && judged.wrong === null && draft.name.trim() !== ''} close={() => close(null)} />
+            <FormButtons
+              missing={draft.name.trim() === '' ? [t('line.name')] : []}
+              ready={!busy && judged.wrong === null}
+              close={() => close(null)}
+            />
           </Form>
         </section>
         <section class="card floor-card line-card">

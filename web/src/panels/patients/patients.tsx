@@ -11,6 +11,7 @@ import { addressOf, go } from '../../router';
 import { useSettings } from '../../text/settings';
 import { date, dayText, duration, noValue, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
+import { FormButtons } from '../../ui/form_buttons';
 import { HoldButton } from '../../ui/hold_button';
 import { useTaskTitles } from '../../ui/task_titles';
 import { TextField } from '../../ui/text_field';
@@ -188,21 +189,13 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
           <Field label={t('sessions.note')} value={draft?.note ?? ''} most={noteMost} onValue={(note) => set({ note })} />
           <p class="hint">{t('patient.sealedHint')}</p>
           <Trouble problem={problem} />
-          <div class="form-buttons">
-            <button type="submit" class="plain primary" disabled={(draft?.name ?? '').trim() === ''}>
-              {t('common.save')}
-            </button>
-            <button
-              type="button"
-              class="quiet"
-              onClick={() => {
-                setDraft(null);
-                if (known.state === 'none') setShown(false);
-              }}
-            >
-              {t('common.cancel')}
-            </button>
-          </div>
+          <FormButtons
+            missing={(draft?.name ?? '').trim() === '' ? [t('patient.fullName')] : []}
+            close={() => {
+              setDraft(null);
+              if (known.state === 'none') setShown(false);
+            }}
+          />
         </Form>
       )}
     </section>

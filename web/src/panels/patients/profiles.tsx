@@ -9,6 +9,7 @@ import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { date, noValue, plain, shownAs, t, withUnit, words } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
+import { FormButtons } from '../../ui/form_buttons';
 
 const nameMost = 64;
 const pageSize = 50;
@@ -61,9 +62,7 @@ export function Profiles({ patient, may }: { patient: number; may: boolean }) {
       <Form label={t('profile.new')} onSend={() => void save()}>
         <Field label={t('profile.new')} value={name} most={nameMost} onValue={setName} disabled={!may} />
         <Trouble problem={problem} />
-        <button type="submit" class="plain" disabled={!may || name.trim() === ''}>
-          {t('common.save')}
-        </button>
+        <FormButtons missing={may && name.trim() === '' ? [t('profile.new')] : []} ready={may} />
       </Form>
     </section>
   );

@@ -117,7 +117,8 @@ function Edit({ marker, save, remove, close }: EditProps) {
     ...(text === marker.text ? {} : { text }),
     ...(moved && time_s !== null ? { time_s } : {}),
   };
-  const ready = Object.keys(patch).length > 0 && (!moved || time_s !== null);
+  const missing = moved && time_s === null ? [t('marker.time')] : [];
+  const ready = Object.keys(patch).length > 0 && missing.length === 0;
   return (
     <Form label={t('common.edit')} onSend={() => (ready ? save(patch) : undefined)}>
       <label class="field">
@@ -132,7 +133,7 @@ function Edit({ marker, save, remove, close }: EditProps) {
       </label>
       <Field label={t('marker.text')} hint={t('marker.textHint')} value={text} most={textMost} onValue={setText} />
       <Field label={t('marker.time')} hint={t('marker.timeHint')} value={time} onValue={setTime} />
-      <FormButtons ready={ready} close={close}>
+      <FormButtons missing={missing} ready={ready} close={close}>
         <button type="button" class="plain last" onClick={remove}>
           {t('marker.delete')}
         </button>

@@ -6,6 +6,7 @@ import { rest, type Problem } from '../../link/rest';
 import { useStore } from '../../link/store';
 import { t, textOf } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
+import { FormButtons } from '../../ui/form_buttons';
 
 const passwordLeast = 12;
 const passwordMost = 128;
@@ -47,6 +48,11 @@ function PasswordCard() {
     [setNow, setNext, setAgain].forEach((set) => set(''));
     notify('info', 'users.passwordChanged');
   };
+  const missing = [
+    ...(now === '' ? [t('users.passwordNow')] : []),
+    ...(next.length < passwordLeast ? [t('users.passwordNew')] : []),
+    ...(again === '' || again !== next ? [t('users.again')] : []),
+  ];
   return (
     <section class="card">
       <h2>{t('users.password')}</h2>
@@ -64,9 +70,7 @@ function PasswordCard() {
         <Field label={t('users.again')} type="password" fill="new-password" value={again} most={passwordMost} onValue={setAgain} />
         {again !== '' && again !== next ? <p class="form-error">{t('users.differ')}</p> : null}
         <Trouble problem={problem} />
-        <button type="submit" class="plain primary" disabled={now === '' || next.length < passwordLeast || again !== next}>
-          {t('common.save')}
-        </button>
+        <FormButtons missing={missing} />
       </Form>
     </section>
   );
@@ -93,14 +97,11 @@ function PinCard() {
         <Field label={t('users.passwordNow')} type="password" fill="current-password" value={password} most={passwordMost} onValue={setPassword} />
         <Field label={t('users.pinNew')} hint={t('users.pinLength')} type="password" numeric value={pin} most={pinMost} onValue={setPin} />
         <Trouble problem={problem} />
-        <div class="form-buttons">
-          <button type="submit" class="plain primary" disabled={password === '' || !fits}>
-            {t('common.save')}
-          </button>
+        <FormButtons missing={[...(password === '' ? [t('users.passwordNow')] : []), ...(fits ? [] : [t('users.pinNew')])]}>
           <button type="button" class="quiet" disabled={password === ''} onClick={() => void save(null)}>
             {t('users.pinRemove')}
           </button>
-        </div>
+        </FormButtons>
       </Form>
     </section>
   );

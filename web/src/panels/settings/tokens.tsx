@@ -113,7 +113,7 @@ function New({ done }: { done: (secret: string | null) => void }) {
         </select>
       </label>
       <Trouble problem={problem} />
-      <FormButtons ready={name.trim() !== ''} close={() => done(null)} />
+      <FormButtons missing={name.trim() === '' ? [t('tokens.name')] : []} close={() => done(null)} />
     </Form>
   );
 }

@@ -88,6 +88,11 @@ function New({ close }: { close: () => void }) {
     notify('info', t('users.added', { name: body.display_name }), true);
     close();
   };
+  const missing = [
+    ...(name.trim() === '' ? [t('signin.name')] : []),
+    ...(display.trim() === '' ? [t('users.display')] : []),
+    ...(password.length < passwordLeast ? [t('users.firstPassword')] : []),
+  ];
   return (
     <Form label={t('users.new')} onSend={() => void save()}>
       <Field label={t('signin.name')} hint={t('users.nameHint')} value={name} most={nameMost} onValue={setName} />
@@ -95,7 +100,7 @@ function New({ close }: { close: () => void }) {
       <RoleChoice role={role} choose={setRole} />
       <Field label={t('users.firstPassword')} hint={t('users.passwordHint')} value={password} most={passwordMost} onValue={setPassword} />
       <Trouble problem={problem} />
-      <FormButtons ready={name.trim() !== '' && display.trim() !== '' && password.length >= passwordLeast} close={close} />
+      <FormButtons missing={missing} close={close} />
     </Form>
   );
 }
@@ -112,6 +117,10 @@ function Change({ user, close }: { user: User; close: () => void }) {
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) close();
   };
+  const missing = [
+    ...(display.trim() === '' ? [t('users.display')] : []),
+    ...(password !== '' && password.length < passwordLeast ? [t('users.reset')] : []),
+  ];
   return (
     <Form label={user.display_name} onSend={() => void save()}>
       <Field label={t('users.display')} value={display} most={displayMost} onValue={setDisplay} />
@@ -123,7 +132,7 @@ function Change({ user, close }: { user: User; close: () => void }) {
       </label>
       <p class="hint">{t('users.changeHint')}</p>
       <Trouble problem={problem} />
-      <FormButtons ready={display.trim() !== '' && (password === '' || password.length >= passwordLeast)} close={close} />
+      <FormButtons missing={missing} close={close} />
     </Form>
   );
 }
