@@ -182,10 +182,14 @@ class DriveRule {
     obey(word);
   }
 
-  // Gives the EMCY that may leave in this millisecond, before what is found in it.
-  ErrorList::Error tick() {
+  // Gives the EMCY that leaves in this millisecond, if one does: what is found in it comes after.
+  ErrorList::Error tick(bool emcy_leaves) {
     watch_bus();
-    const ErrorList::Error next = errors.waiting.empty() ? ErrorList::Error{} : errors.waiting.front();
+    ErrorList::Error left;
+    if (emcy_leaves && !errors.waiting.empty()) {
+      left = errors.waiting.front();
+      errors.waiting.pop_front();
+    }
     ++ticks_, ++age_ms_;
     read();
     if (ticks_ % 10 == 5) {
@@ -195,7 +199,7 @@ class DriveRule {
     if (state == State::not_ready) test();
     move();
     show();
-    return next;
+    return left;
   }
 
  private:
