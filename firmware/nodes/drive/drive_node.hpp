@@ -56,7 +56,6 @@ inline constexpr float kStandstill_rad_s = 2.0F;      // 0.7 cm/s at the wheel; 
 inline constexpr std::uint32_t kStandstill_ms = 20;   // at rest for so long: stopped
 inline constexpr std::uint32_t kStopLonger_ms = 500;  // after the ramp's end the bridge goes off even if the wheel is still pushed
 inline constexpr float kTargetReached_rad_s = 3.0F;
-inline constexpr std::uint32_t kWatchMin_ms = 100, kWatchMax_ms = 500;  // allowed consumer heartbeat times
 
 inline constexpr std::uint32_t kSelfTest_ms = 20;  // the first 4 let the readings settle, the rest are averaged
 inline constexpr std::uint32_t kSelfTestSettle_ms = 4;
@@ -174,20 +173,13 @@ class DriveNode {
     stack_.values().template set<0x2221>(static_cast<std::uint8_t>(board_.reset_cause()));
     publish_first_fault();
   }
-  SdoAbort check_write(std::uint16_t index, std::uint8_t sub, std::uint32_t raw) {
+  SdoAbort check_write(std::uint16_t index, std::uint8_t, std::uint32_t raw) {
     switch (index) {
       case 0x6040:
       case 0x60FF:  // the RPDO alone commands a drive that may move
         return stack_.operational() ? SdoAbort::device_state : SdoAbort::none;
       case 0x605A:
         return raw == 2 || raw == 6 ? SdoAbort::none : SdoAbort::range;
-      case 0x1016: {  // a drive that does not watch its computer is refused
-        const std::uint32_t time_ms = raw & 0xFFFFU;
-        const bool fits = (raw >> 16) == contract::node_id(contract::Node::core) && time_ms >= kWatchMin_ms && time_ms <= kWatchMax_ms;
-        return fits ? SdoAbort::none : SdoAbort::range;
-      }
-      case 0x2200:  // the law's feedback is exact: what the limiter takes away is taken from the integral, neither more nor less
-        return sub != 3 || std::bit_cast<float>(raw) == 1.0F ? SdoAbort::none : SdoAbort::range;
       default:
         return SdoAbort::none;
     }
@@ -234,12 +226,8 @@ class DriveNode {
       return;
     }
     if ((risen & kResetBit) != 0 && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended
-    if (state_ == State::fault_reaction || state_ == State::switch_on_disabled || state_ == State::not_ready) {
-      // A fault reaction must finish: disable voltage, which the computer sends meanwhile, would cut its ramp.
-      const bool shutdown = (word & (kNoQuickStopBit | kVoltageBit | kSwitchOnBit)) == (kNoQuickStopBit | kVoltageBit);
-      if (state_ == State::switch_on_disabled && shutdown) state_ = State::ready;  // transition 2
-      return;
-    }
+    // A fault reaction must finish: disable voltage, which the computer sends meanwhile, would cut its ramp.
+    if (state_ == State::fault_reaction || state_ == State::not_ready) return;
     if (!apply_stop(word)) apply_start(word, risen);
   }
 
@@ -260,7 +248,7 @@ class DriveNode {
     // Transition 16 is not supported: a quick stop ends by disable voltage or at standstill.
     if (state_ == State::quick_stop_active) return true;
     if ((word & kSwitchOnBit) != 0) return false;
-    if (state_ == State::operation_enabled)  // shutdown, transitions 6 and 8: the ramp comes first
+    if (state_ == State::operation_enabled)  // shutdown, transitions 2, 6 and 8: the ramp comes first
       begin_stop(State::operation_enabled, State::ready);
     else
       state_ = State::ready;
@@ -492,7 +480,6 @@ class DriveNode {
     // Blocked wheel, or an encoder that never counted: current without movement although movement is commanded.
     const std::int32_t moved = law::delta32(counts_, stall_counts_);
     const bool moving = moved > kStallCounts || moved < -kStallCounts;
-    if (moving) stall_counts_ = counts_;
     const bool stalled =
         !moving && std::fabs(current_a_) > kStallCurrentShare * current_limit_a && std::fabs(reference_rad_s) > kStallReference_rad_s;
     if (!stalled) stall_counts_ = counts_;
