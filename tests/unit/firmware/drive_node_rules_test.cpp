@@ -161,13 +161,17 @@ class DriveNodeRules : public ::testing::Test {
     }
   }
   // Out of whatever there is, into operation. Nothing of it works while a cause of a fault stays.
-  void wake() {
+  void wake(double target_rad_s = 0) {
     if (!rule_->operational()) nmt(NmtCommand::start);
-    run(1, kOff, 0);
-    run(1, kReset, 0);
-    if (rule_->state == State::not_ready) run(20, kReset, 0);
-    run(1, kShutdown, 0);
-    run(1, kEnable, 0);
+    run(1, kOff, target_rad_s);
+    run(1, kReset, target_rad_s);
+    if (rule_->state == State::not_ready) run(20, kReset, target_rad_s);
+    run(dice_.of({1, 12}), kShutdown, target_rad_s);
+    run(1, kEnable, target_rad_s);
+  }
+  // Off and on again within one millisecond.
+  void wake_at_once() {
+    for (const unsigned word : {kOff, kShutdown, kEnable}) command(word, 0);
   }
 
   // ---- what goes wrong, until end_trouble()
@@ -280,7 +284,7 @@ TEST_F(DriveNodeRules, H5H15EveryCommandMeansWhatTheRuleSays) {
       if (dice_.chance(0.1)) word = static_cast<unsigned>(dice_.below(0x200));
       const double target_rad_s = dice_.of({0.0, 0.9, 2.9, 8.0, 30.0, 60.0, -20.0, -60.0});
       run(dice_.of({1, 2, 5, 10, 19, 20, 21, 22, 60}), word, target_rad_s);
-      if (dice_.chance(0.25)) wake();
+      if (dice_.chance(0.25)) wake(target_rad_s);
       if (dice_.chance(0.1)) commands_ = !commands_;
       if (dice_.chance(0.1)) heartbeats_ = !heartbeats_;
       if (dice_.chance(0.1)) syncs_ = !syncs_;
@@ -433,14 +437,15 @@ class DriveTroubles : public DriveNodeRules {
 };
 
 TEST_F(DriveTroubles, H1H2H11H12EachIsFoundWhenTheRuleSays) {
-  for (std::uint32_t seed = 1; seed <= 60 && good_; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 100 && good_; ++seed) {
     SCOPED_TRACE(seed);
     begin(seed);
     run(19, kOff, 0);
     for (int i = 0; i < 25 && good_; ++i) {
-      wake();
       const double target_rad_s = dice_.of({0.0, 0.9, 1.1, 30.0, 60.0, 120.0, 190.0, 240.0, -30.0, -120.0, -240.0});
+      wake(dice_.of({0.0, target_rad_s}));
       run(dice_.of({0, 5, 100, 300}), kEnable, target_rad_s);
+      if (dice_.chance(0.2)) wake_at_once();
       make_trouble();
       run(some_time(), kEnable, target_rad_s);
       if (dice_.chance(0.5)) make_trouble();
@@ -479,6 +484,22 @@ TEST_F(DriveNodeRules, H2EveryStopEndsWhenTheRuleSays) {
       }
       end_trouble();
     }
+  }
+}
+
+// A reset of the node ends a stop under way, and nothing of it is left at the next start.
+TEST_F(DriveNodeRules, AResetEndsAStopAsTheRuleSays) {
+  for (std::uint32_t seed = 1; seed <= 20 && good_; ++seed) {
+    SCOPED_TRACE(seed);
+    begin(seed);
+    run(19, kOff, 0);
+    wake();
+    run(30, kEnable, 0);
+    run(5, dice_.of({kShutdown, kSwitchOn, kQuickStop}), 0);
+    nmt(NmtCommand::reset_node);
+    one_ms();
+    wake(60);
+    run(30, kEnable, 60);
   }
 }
 
@@ -677,6 +698,7 @@ TEST_F(DriveNodeRules, H2SpeedVoltageAndCurrentBelongToOneMotorAsTheRuleSays) {
       hand_rad_s_ = speed_rad_s;
       run(200, kOff, 0);
       wake();
+      const double target_rad_s = speed_rad_s + dice_.of({-1.0, 1.0, 10.0, -10.0, 30.0, -30.0});
       const float generated_v = dice_.of({0.0F, 0.5F, 1.2F, 2.4F, 2.6F, 4.9F, 5.2F, -0.5F, -1.2F, -2.4F, -2.6F, -4.9F, -5.2F});
       const float amperes = dice_.of({0.8F, 0.95F, 1.05F, -0.95F}) * rule_->set.limit_a;
       const int off_from = dice_.of({45, 50, 55, 200}), off_to = off_from + dice_.of({1, 5, 6});
@@ -686,7 +708,7 @@ TEST_F(DriveNodeRules, H2SpeedVoltageAndCurrentBelongToOneMotorAsTheRuleSays) {
         const float applied_v = board_.duty_norm * board_.supply_voltage_v;
         const bool off = ms >= off_from && ms < off_to;
         write(0x2230, 6, std::clamp((applied_v - (off ? 0 : generated_v)) / amperes, 0.05F, 20.0F));
-        run(1, kEnable, speed_rad_s + dice_.of({-1.0, 1.0, 20.0, -20.0}));
+        run(1, kEnable, target_rad_s);
       }
     }
   }
