@@ -339,7 +339,11 @@ const cases = {
     await pin.getByLabel('Present password').fill(password);
     await pin.getByLabel('New PIN').fill('4711');
     await pin.getByRole('button', { name: 'Save' }).click();
-    await until('the PIN is set', () => screen.getByText('PIN set').first().isVisible());
+    await until('the PIN is set', async () => {
+      const [refused] = await pin.locator('.form-error').allTextContents();
+      assert(refused === undefined, `the PIN is refused: ${refused}`);
+      return screen.getByText('PIN set').first().isVisible();
+    });
     await press('Sign out');
     await press('Anna Berg');
     await until('STOP stays', () => screen.locator('.stop').isVisible());

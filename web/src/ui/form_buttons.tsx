@@ -22,7 +22,7 @@ export function FormButtons({ missing, ready = true, close, children }: FormButt
         </button>
       )}
       {children}
-      <p class="hint form-missing" aria-live="polite">
+      <p class="form-missing" aria-live="polite">
         {missing.length === 0 ? '' : t('common.missing', { fields: missing.join(', ') })}
       </p>
     </div>
