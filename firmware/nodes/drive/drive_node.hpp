@@ -269,14 +269,17 @@ class DriveNode {
   }
 
   void enable() {
-    // A wheel that is being pushed is taken over at its speed and the voltage that it generates, and then braked on the ramp: otherwise
-    // the first tick would short it.
-    servo_.reference_rad_s.value = speed_rad_s_;
-    servo_.integral_v = stack_.values().template get<0x2230, 7>() * speed_rad_s_;
-    servo_.applied_v = servo_.integral_v;
+    take_over();
     restart_watches();
     leaving_ = false;
     state_ = State::operation_enabled;
+  }
+  // A wheel that turns by itself is taken over at its speed and the voltage that it generates, and then braked on the ramp: otherwise the
+  // first tick would short it.
+  void take_over() {
+    servo_.reference_rad_s.value = speed_rad_s_;
+    servo_.integral_v = stack_.values().template get<0x2230, 7>() * speed_rad_s_;
+    servo_.applied_v = servo_.integral_v;
   }
 
   // Ramps down in the state `meanwhile` and ends in `then`, with the bridge off unless the state is kept.
@@ -611,15 +614,24 @@ class DriveNode {
     input.current_a = current_a_;
     input.supply_v = supply_v_;
     const float applied_before_v = servo_.applied_v;
+    const law::LowPassState<float> speed_before = servo_.speed_rad_s;
     const law::ServoOutput<float> output = law::servo_step(config, servo_, input, kServoTick_s);
     speed_rad_s_ = output.speed_rad_s;
     duty_norm_ = output.duty_norm;
     limited_ = output.limited;
     // A refusal with valid readings means no supply; the check below decides when that is a fault, and until then the bridge stays off.
-    watch(output.reference_rad_s, config.current_limit_a, applied_before_v);
-    if (leaving_ && powered()) finish_stop(output.reference_rad_s);
+    if (output.refused) roll_on(config, speed_before);
+    watch(servo_.reference_rad_s.value, config.current_limit_a, applied_before_v);
+    if (leaving_ && powered()) finish_stop(servo_.reference_rad_s.value);
     if (!powered()) return;  // just switched off, with the bridge
     board_.set_bridge(!output.refused, duty_norm_);
+  }
+
+  // A servo that refuses forgets all. The wheel rolls on, measured as before, and is taken over when the supply is back.
+  void roll_on(const law::ServoConfig<float>& config, law::LowPassState<float> speed) {
+    speed_rad_s_ = law::low_pass_by_share(config.speed_low_pass_share, speed, measured_rad_s_);
+    servo_.speed_rad_s = speed;
+    take_over();
   }
 
   // Without power the speed is still measured; the loop stays at rest, independent of the supply.

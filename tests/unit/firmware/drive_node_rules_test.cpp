@@ -2,11 +2,16 @@
 // comes and goes, an encoder, a current sensor, a supply and a bridge that fail for as long as each limit allows, or longer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <initializer_list>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "firmware/nodes/drive/drive_node.hpp"
 #include "firmware/sim/motor.hpp"
@@ -134,7 +139,7 @@ class DriveNodeRules : public ::testing::Test {
   void one_ms() {
     if (hand_rad_s_) turn_by_hand();
     move_encoder();
-    board_.current_a = current_a_ ? *current_a_ : gain_ * static_cast<float>(motor_.current_a()) + bias_a_;
+    board_.current_a = current_a_ ? *current_a_ : static_cast<float>(motor_.current_a()) + bias_a_;
     if (noise_a_ > 0) board_.current_a += noise_a_ * static_cast<float>(dice_.any(-1, 1));
     board_.sent.clear();
     node_->tick_1ms();
@@ -160,7 +165,7 @@ class DriveNodeRules : public ::testing::Test {
       one_ms();
     }
   }
-  // Out of whatever there is, into operation. Nothing of it works while a cause of a fault stays.
+  // From any state into operation, if no cause of a fault remains.
   void wake(double target_rad_s = 0) {
     if (!rule_->operational()) nmt(NmtCommand::start);
     run(1, kOff, target_rad_s);
@@ -180,7 +185,7 @@ class DriveNodeRules : public ::testing::Test {
     encoder_ = Encoder::good;
     untimed_ = false;
     current_a_.reset(), hand_rad_s_.reset();
-    gain_ = 1, bias_a_ = noise_a_ = 0;
+    bias_a_ = noise_a_ = 0;
     load_n_m_ = 0;
     syncs_ = true;
     motor_.lock(false);
@@ -262,7 +267,7 @@ class DriveNodeRules : public ::testing::Test {
   std::optional<float> current_a_;
   std::optional<double> hand_rad_s_;
   double hand_counts_ = 0;
-  float gain_ = 1, bias_a_ = 0, noise_a_ = 0;
+  float bias_a_ = 0, noise_a_ = 0;
   double load_n_m_ = 0;
   int now_ms_ = 0, sync_at_ = 5;
   const char* at_ = "";
@@ -440,6 +445,7 @@ TEST_F(DriveTroubles, H1_H2_H11_H12_EachIsFoundWhenTheRuleSays) {
   for (const unsigned code : {0x5400U, 0x3220U, 0x3210U, 0x7305U, 0x7121U, 0x2310U, 0x5000U, 0x8400U, 0x4310U}) {
     EXPECT_GT(faults_[code], 10) << std::hex << code;
   }
+  for (const unsigned code : {0x2310U, 0x3220U, 0x5000U, 0x5400U, 0x7305U}) EXPECT_GT(seconds_[code], 0) << std::hex << code;
 }
 
 // A push that prevents rest at the end of a stop, with more or less force than the current can hold.

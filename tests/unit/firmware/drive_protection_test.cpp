@@ -266,6 +266,31 @@ TEST_F(DriveProtection, H12_ASaggingSupplyGetsLessLoadBeforeItIsCutOff) {
   EXPECT_EQ(status() & 0x80, 0);
 }
 
+// Shorter than the limit of a supply that is too low: the wheel rolls, and is taken over as it rolls.
+TEST_F(DriveProtection, H12_ASupplyThatIsGoneForAMomentIsNoJerk) {
+  for (const int gone_ms : {1, 5, 9}) {
+    for (const float supply_v : {5.0F, 0.0F}) {
+      SCOPED_TRACE(testing::Message() << gone_ms << " ms at " << supply_v << " V");
+      board_.supply_voltage_v = 24;
+      start_anew(loaded_motor());
+      drive_at(150);
+      board_.supply_voltage_v = supply_v;
+      run(gone_ms, kEnable, 150);
+      EXPECT_FALSE(board_.bridge_on);
+      board_.supply_voltage_v = 24;
+      peak_current_a_ = 0;
+      for (int i = 0; i < 500; ++i) {
+        const double before_rad_s = motor_.speed_rad_s();
+        run(1, kEnable, 150);
+        ASSERT_LT(before_rad_s - motor_.speed_rad_s(), 0.3);  // the ramp of a quick stop
+      }
+      EXPECT_EQ(node_.state(), State::operation_enabled);
+      EXPECT_LT(peak_current_a_, 6.0);
+      EXPECT_NEAR(motor_.speed_rad_s(), 150, 1);
+    }
+  }
+}
+
 TEST_F(DriveProtection, H12_BrakingIsNeverWeakenedByALowSupply) {
   drive_at(100);
   board_.supply_voltage_v = 19.2F;

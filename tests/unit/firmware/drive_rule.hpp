@@ -297,9 +297,12 @@ class DriveRule {
     }
   }
   // At the speed and the voltage that the motor has.
-  void take_over() {
+  void follow_motor() {
     servo_.reference_rad_s.value = speed_rad_s;
     servo_.integral_v = servo_.applied_v = set.motor_v_s * speed_rad_s;
+  }
+  void take_over() {
+    follow_motor();
     forget_what_lasted();
     then_.reset();
     state = State::operation_enabled;
@@ -447,11 +450,15 @@ class DriveRule {
     input.current_a = current_a_, input.supply_v = supply_v_;
     input.speed_measured = true, input.speed_rad_s = measured_rad_s_;
     const float applied_v = servo_.applied_v;
+    law::LowPassState<float> measured = servo_.speed_rad_s;
+    (void)law::low_pass_by_share(filter, measured, measured_rad_s_);
     const law::ServoOutput<float> output = law::servo_step(config, servo_, input, 0.001F);
-    speed_rad_s = output.speed_rad_s, duty = output.duty_norm, limited_ = output.limited;
-    watch(output.reference_rad_s, applied_v);
-    if (then_ && powered() && output.reference_rad_s == 0) come_to_rest();
-    if (powered()) bridge = !output.refused;
+    servo_.speed_rad_s = measured;
+    speed_rad_s = measured.value, duty = output.duty_norm, limited_ = output.limited;
+    if (supply_v_ < 6) follow_motor();  // too low for any duty: the wheel rolls
+    watch(reference_rad_s(), applied_v);
+    if (then_ && powered() && reference_rad_s() == 0) come_to_rest();
+    if (powered()) bridge = supply_v_ >= 6;
   }
   // After 20 ms of rest, or when a push has prevented it for half a second. A quick stop of option 6 holds instead.
   void come_to_rest() {
