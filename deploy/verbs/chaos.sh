@@ -5,8 +5,10 @@
 #          --state FILE, --jobs N (hoist-chaos --help says what they mean)
 #          --masks       instead, each monitor of the core switched off in turn: how many sessions the judge needs to find it
 #                        (--sessions N at most for each, --seed S, --monitor NAME, --jobs N)
-#          --mutants     instead, 60 seeded changes to core and nodes: how many sessions the judge needs to find each
-#                        (--count N, --seed TEXT, --sessions N at most for each, --jobs N)
+#          --mutants     instead, 60 planted errors (tests/chaos/planted.tsv): how many sessions the judge needs to find each; fails when one
+#                        survives (--sessions N at most for each, --first N, --only NUMBER,NUMBER, --jobs N)
+#          --drawn       with --mutants: 60 seeded changes to core and nodes in place of the planted errors, and no verdict
+#                        (--count N, --seed TEXT)
 #          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
 # A failing session is reported with its seed and reduced; the printed line replays it:
@@ -16,12 +18,14 @@ arguments=()
 compilers=
 masks=
 mutants=
+drawn=
 for option in "$@"; do
   case $option in
     --no-setup | -h | --help) common_option chaos "$option" ;;
     --compilers) compilers=1 ;;
     --masks) masks=1 ;;
     --mutants) mutants=1 ;;
+    --drawn) drawn=1 ;;
     *) arguments+=("$option") ;;
   esac
 done
@@ -63,10 +67,15 @@ if [[ -n $masks ]]; then
   build_normal hoist-chaos-masks
   exec build/bin/hoist-chaos-masks "${arguments[@]}"
 fi
-if [[ -n $mutants ]]; then
+if [[ -n $drawn ]]; then
+  [[ -n $mutants ]] || die "--drawn goes with --mutants"
   setup check  # the reader of the sources
   build_normal chaos_mutants
   exec tests/chaos/mutants.py build/bin/chaos_mutants build/tests/mutants/chaos_mutants/mutants.tsv tests/mutants/known.tsv "${arguments[@]}"
+fi
+if [[ -n $mutants ]]; then
+  build_normal chaos_planted
+  exec tests/chaos/mutants.py build/bin/chaos_planted build/tests/mutants/chaos_planted/mutants.tsv "${arguments[@]}"
 fi
 build_normal hoist-chaos
 exec build/bin/hoist-chaos "${arguments[@]}"
