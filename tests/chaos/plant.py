@@ -16,8 +16,8 @@ files = {name: (top / name).read_text().split('\n') for name in names}
 sources = {name: [line.strip() for line in lines] for name, lines in files.items()}
 wrong, listed, taken = [], [], set()
 
-for number, row in enumerate(pathlib.Path(planted).read_text().splitlines()):
-    place = f'{planted}:{number + 1}: '
+for number, row in enumerate(row for row in pathlib.Path(planted).read_text().splitlines() if not row.startswith('#')):
+    place = f'{planted}, error {number}: '
     if row.count('\t') != 5:
         wrong.append(place + 'a row has six columns')
         continue
