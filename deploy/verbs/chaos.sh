@@ -7,7 +7,7 @@
 #                        (--sessions N at most for each, --seed S, --monitor NAME, --jobs N)
 #          --mutants     instead, 60 planted errors (tests/chaos/planted.tsv): how many sessions the judge needs to find each; fails when one
 #                        survives (--sessions N at most for each, --first N, --only NUMBER,NUMBER, --jobs N)
-#          --drawn       with --mutants: 60 seeded changes to core and nodes in place of the planted errors, and no verdict
+#          --drawn       the same with 60 single changes to core and nodes, drawn by a seed: a share, no verdict
 #                        (--count N, --seed TEXT)
 #          --compilers   a few sessions built four ways (g++ and clang++, with and without optimisation): every second's hash must be the same
 #          --no-setup    leave the machine as it is
@@ -68,12 +68,12 @@ if [[ -n $masks ]]; then
   exec build/bin/hoist-chaos-masks "${arguments[@]}"
 fi
 if [[ -n $drawn ]]; then
-  [[ -n $mutants ]] || die "--drawn goes with --mutants"
   setup check  # the reader of the sources
   build_normal chaos_mutants
   exec tests/chaos/mutants.py build/bin/chaos_mutants build/tests/mutants/chaos_mutants/mutants.tsv tests/mutants/known.tsv "${arguments[@]}"
 fi
 if [[ -n $mutants ]]; then
+  setup test  # python3
   build_normal chaos_planted
   exec tests/chaos/mutants.py build/bin/chaos_planted build/tests/mutants/chaos_planted/mutants.tsv "${arguments[@]}"
 fi
