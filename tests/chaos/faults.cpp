@@ -14,8 +14,8 @@ constexpr std::array kTilts{Node::tilt_left, Node::tilt_right, Node::tilt_base};
 constexpr std::array kDrives{Node::drive_left, Node::drive_right};
 constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node::tilt_left, Node::tilt_right, Node::tilt_base};
 constexpr std::array<std::string_view, 6> kNodeNames{"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"};
-constexpr std::uint64_t kPlanStream = 1, kLaterStream = 12, kPartStream = 13;
-constexpr double kLaterShare = 0.4, kPartShare = 0.35;  // of the sessions
+constexpr std::uint64_t kPlanStream = 1, kLaterStream = 12, kPartStream = 13, kMomentStream = 21;
+constexpr double kLaterShare = 0.4, kPartShare = 0.35, kMomentShare = 0.35;  // of the sessions
 // No motion before this.
 constexpr double kFirst_s = 6.0;
 
@@ -64,11 +64,11 @@ Fault draw(Dice& dice, const std::vector<Kind>& kinds, double length_s) {
 }  // namespace
 
 std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only) {
-  Dice dice(seed, kPlanStream), later_dice(seed, kLaterStream), part_dice(seed, kPartStream);
-  std::vector<Kind> kinds, later, parts;
+  Dice dice(seed, kPlanStream), later_dice(seed, kLaterStream), part_dice(seed, kPartStream), moment_dice(seed, kMomentStream);
+  std::vector<Kind> kinds, later, parts, moments;
   for (const KindInfo& kind : kKinds) {
     if (outside_only && !kind.outside) continue;
-    (kind.kind < kFirstLater ? kinds : kind.kind < kFirstPart ? later : parts).push_back(kind.kind);
+    (kind.kind < kFirstLater ? kinds : kind.kind < kFirstPart ? later : kind.kind < kFirstMoment ? parts : moments).push_back(kind.kind);
   }
   std::vector<Fault> faults;
   const int count = most <= 0 ? 0 : dice.below(most + 1);
@@ -79,6 +79,12 @@ std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bo
   }
   if (most > 0 && !later.empty() && later_dice.chance(kLaterShare)) faults.push_back(draw(later_dice, later, length_s));
   if (most > 0 && !parts.empty() && part_dice.chance(kPartShare)) faults.push_back(draw(part_dice, parts, length_s));
+  if (most > 0 && !moments.empty() && moment_dice.chance(kMomentShare)) {
+    Fault fault = draw(moment_dice, moments, length_s);
+    const double waits_s = moment_dice.between(0.0, 75.0);
+    if (fault.kind != Kind::mute_core) fault.end_s = rounded(fault.end_s + waits_s);
+    faults.push_back(fault);
+  }
   return faults;
 }
 

@@ -79,6 +79,12 @@ enum class Kind : std::uint8_t {
   wrong_part,
   strap_cut,
   loose_strut,
+  touch_in_stop,
+  mute_core,
+  lone_therapist,
+  other_console,
+  held_before,
+  tuned_twice,
   count
 };
 
@@ -159,6 +165,12 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::wrong_part, "wrong_part", Target::any_node, false, false},
     KindInfo{Kind::strap_cut, "strap_cut", Target::nothing, false, false},
     KindInfo{Kind::loose_strut, "loose_strut", Target::strut, false, false},
+    KindInfo{Kind::touch_in_stop, "touch_in_stop", Target::nothing, false, false},
+    KindInfo{Kind::mute_core, "mute_core", Target::nothing, false, false},
+    KindInfo{Kind::lone_therapist, "lone_therapist", Target::nothing, true, false},
+    KindInfo{Kind::other_console, "other_console", Target::nothing, true, false},
+    KindInfo{Kind::held_before, "held_before", Target::nothing, true, false},
+    KindInfo{Kind::tuned_twice, "tuned_twice", Target::nothing, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {
@@ -178,6 +190,8 @@ struct Fault {
 inline constexpr Kind kFirstLater = Kind::fall_aside;
 /// And from here on from a third one.
 inline constexpr Kind kFirstPart = Kind::sill;
+/// And from here on from a fourth one; they wait for the moment in which they matter (moments.hpp), up to a minute and a half.
+inline constexpr Kind kFirstMoment = Kind::touch_in_stop;
 
 /// Up to `most` faults of one session, by its seed, and one more of each later group of kinds. `outside_only`: only faults that must not affect
 /// walking that a patient leads.

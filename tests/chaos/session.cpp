@@ -17,6 +17,7 @@
 #include "firmware/nodes/tilt/tilt_node.hpp"
 #include "firmware/sim/patient_family.hpp"
 #include "tests/chaos/judge/watch.hpp"
+#include "tests/chaos/moments.hpp"
 #include "tests/chaos/storage.hpp"
 #include "tests/support/closed_loop.hpp"
 
@@ -32,7 +33,7 @@ using contract::TickRecord;
 
 // Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
-                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11;
+                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kMomentStream = 22;
 constexpr double kUnevenShare = 0.5;    // of the sessions: walked by one of the family
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
@@ -55,6 +56,7 @@ class Session {
         serial_dice_(options.seed, kSerialStream),
         defiance_dice_(options.seed, kDefianceStream),
         loop_(loop_options()),
+        moments_(loop_, Dice(options.seed, kMomentStream)),
         watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
     report_.seed = options.seed;
     report_.faults = faults_;
@@ -62,7 +64,8 @@ class Session {
     report_.length_s = options.length_s;
     report_.hashes.reserve(static_cast<std::size_t>(options.length_s) + 20);
     const bool frames_fail = options_.frame_loss > 0 || planned(Kind::drop) || planned(Kind::corrupt) || planned(Kind::delay) ||
-                             planned(Kind::duplicate) || planned(Kind::bus_off);
+                             planned(Kind::duplicate) || planned(Kind::bus_off) || planned(Kind::mute_core) ||
+                             planned(Kind::tuned_twice);
     if (frames_fail)
       loop_.world().set_frame_fault([this](std::size_t port, const CanFrame& frame, std::uint64_t) { return frame_fault(port, frame); });
     loop_.on_inputs([this](const core::TickInputs& inputs) { see(inputs); });
@@ -469,6 +472,7 @@ class Session {
           loop_.set_serial_noise({});
         break;
       default:
+        if (!on) moments_.end(f);
         break;  // acts in each step, or on each frame
     }
     apply_to_storage(f, on);
@@ -545,6 +549,7 @@ class Session {
         if (fault_dice_.chance(0.1)) push_parameters();
         break;
       default:
+        moments_.go_on(f);
         break;
     }
   }
@@ -623,6 +628,13 @@ class Session {
         case Kind::bus_off:
           if (own) return {bus::BusFault::Kind::drop};
           deaf |= 1U << loop_.world().port_of(f.node);
+          break;
+        case Kind::tuned_twice:  // answers as late as the load plan of the bus allows
+          if ((frame.id & 0x780U) == contract::canopen::kSdoReplyBase)
+            return {bus::BusFault::Kind::delay, static_cast<std::uint64_t>((10.0 + 17.0 * f.size) * 1e6)};
+          break;
+        case Kind::mute_core:  // its commands still come
+          if (frame.id == contract::canopen::kHeartbeatBase + contract::node_id(Node::core)) return {bus::BusFault::Kind::drop};
           break;
         default:
           break;
@@ -856,6 +868,7 @@ class Session {
   Board board_;
   Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_;
   tests::ClosedLoop loop_;
+  Moments moments_;
   std::unique_ptr<Storage> storage_;
   SessionReport report_;
   Watch watch_;

@@ -64,7 +64,7 @@ constexpr std::array kRules{
              any(HoistFault::tilt_sensor_fault), 1.0},
     RuleInfo{Rule::wrong_lean, "I1: led by a lean that is wrong by 5 degrees", 1.0 + kLook_s, 0, 0, true},
     RuleInfo{Rule::half_led, "I1: a patient walks with one strap cut", 8.0 + kLook_s, any(HoistFault::tilt_implausible), 1.0, true},
-    RuleInfo{Rule::touched, "I1: a bumper is not felt within 30 ms", 0.03 + kLook_s, any(HoistFault::bumper_pressed), 1.0},
+    RuleInfo{Rule::touched, "I1: a bumper is not felt within 30 ms", 0.03 + kLook_s, any(HoistFault::bumper_pressed), 1.5},
     RuleInfo{Rule::falling, "I1: a fall is not found within 80 ms", 0.08 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
     RuleInfo{Rule::lying, "I1: a body in the stops is not found", 0.2 + kLook_s, any(HoistFault::fall_detected), 1.0, true},
     RuleInfo{Rule::leaning, "I1: a patient who hangs leaning is not found within 2.6 s", 2.6 + kLook_s,
@@ -91,6 +91,9 @@ constexpr std::array kRules{
     RuleInfo{Rule::unpowered, "I1: motors without power are not told of within 1.2 s", 1.2, any(HoistFault::emergency_stop), 0.7},
     RuleInfo{Rule::over_voltage, "I1: a supply above 32.5 V is not found within 100 ms", 0.1 + kLook_s, kDrives | kBus, 0.7, true},
     RuleInfo{Rule::slipping, "I1: wheels that slip are not found within 1.2 s", 1.5, any(HoistFault::wheel_slip), 0.5, true},
+    // The drives leave operation 250 ms after the last one, and are missed then.
+    RuleInfo{Rule::unheard, "I1: a computer without a heartbeat drives on for longer than 310 ms", 0.31 + kLook_s,
+             kDrives | any(HoistFault::drive_left_lost, HoistFault::drive_right_lost) | kBus, 1.0, true},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kRules.size(); ++i)
@@ -167,6 +170,12 @@ constexpr std::array kJudged{
     Judged{Kind::wrong_part, "silent node; I7: no motion"},
     Judged{Kind::strap_cut, "half led, dragged"},
     Judged{Kind::loose_strut, "every rule of the wheels"},
+    Judged{Kind::touch_in_stop, "touched"},
+    Judged{Kind::mute_core, "unheard"},
+    Judged{Kind::lone_therapist, "I5; I11"},
+    Judged{Kind::other_console, "I3"},
+    Judged{Kind::held_before, "I7"},
+    Judged{Kind::tuned_twice, "I10"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)
@@ -202,6 +211,7 @@ void Deadlines::restart() {
   acknowledged_bumpers_ = 0;
   battery_known_ = false;
   moving_s_ = follow_s_ = 0;
+  muted_in_motion_ = false;
   barred_s_ = {};
 }
 
@@ -487,6 +497,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       return moving && drives_follow() && std::fabs(wheels_rad_s - truth.yaw_rate_rad_s) > 0.2 && ears_.rates_age() <= 1 &&
              ears_.tilt(Node::tilt_base).valid;
     }
+    case Rule::unheard:
+      return muted_in_motion_;
     case Rule::count:
       break;
   }
@@ -518,6 +530,8 @@ Rule Deadlines::after_step(const Told& told, const Truth& truth, contract::Fault
   ends_ = ends_ || exercise_over || (raised & kSoftStops) != 0;
   acknowledged_bumpers_ &= world_.plant().bumpers();
   mode_ = mode;
+  if (const bool muted = board_.now(Kind::mute_core); std::exchange(muted_, muted) != muted) muted_in_motion_ = muted && moves(before);
+  muted_in_motion_ = muted_in_motion_ && moves(mode);
   take_runaway(truth);
   take_bars(truth);
   Rule broken = Rule::count;

@@ -59,6 +59,7 @@ enum class Rule : std::uint8_t {
   unpowered,
   over_voltage,
   slipping,
+  unheard,
   count
 };
 inline constexpr std::size_t kRuleCount = static_cast<std::size_t>(Rule::count);
@@ -178,6 +179,7 @@ class Deadlines {
   // Rolling without a step. The alarm's own limits are 6 mm, 2 s and 0.1 m/s.
   double drawn_s_ = 0, stepless_s_ = -100;
   double follow_s_ = 0;  // how long both drives have followed
+  bool muted_ = false, muted_in_motion_ = false;  // the computer's heartbeat is lost
   double moving_s_ = 0;  // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};
   enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, unchecked, kBarCount };

@@ -86,7 +86,13 @@ const char* not_finite(const TickRecord& record) {
 }  // namespace
 
 Watch::Watch(const sim::World& world, const Board& board, Options options, const contract::Params& first, SessionReport& report)
-    : world_(world), board_(board), options_(options), report_(report), deadlines_(world, board, ears_), params_(first) {}
+    : world_(world),
+      board_(board),
+      options_(options),
+      report_(report),
+      deadlines_(world, board, ears_),
+      sound_(world, ears_),
+      params_(first) {}
 
 void Watch::core_restarted(const contract::Params& params, std::uint64_t version, std::size_t events) {
   mode_ = Mode::init;
@@ -100,6 +106,9 @@ void Watch::core_restarted(const contract::Params& params, std::uint64_t version
   staged_.clear();
   ears_.restart();
   deadlines_.restart();
+  persons_.restart();
+  settings_.restart();
+  sound_.restart();
   ran_ = false;
 }
 
@@ -150,6 +159,8 @@ void Watch::driver_gone() {
 void Watch::before_step(const Given& inputs) {
   ears_.before_step(inputs);
   commands_.assign(inputs.commands.begin(), inputs.commands.end());
+  persons_.before_step(commands_, lease_holder_, lease_epoch_);
+  sound_.before_step(commands_);
   last_tick_ = inputs.tick;
   // The holder when the command is handled: after a sign-out or a new server, earlier in the same step, there is none.
   std::uint32_t holder = inputs.server_life == server_life_ ? lease_holder_ : 0;
@@ -189,6 +200,7 @@ void Watch::before_step(const Given& inputs) {
   drive_sequence_ = d.sequence;
   // Hold-to-run was held when the client had seen that record; later is not certain.
   if (d.held == 1) driven_s_ = std::max(driven_s_, world_.time_s() - static_cast<double>(inputs.time_ns - d.echo_time_ns) * 1e-9);
+  persons_.button(d.held == 1, driven_s_);
   if (d.held == 1)
     deadlines_.held(driven_s_);
   else
@@ -258,6 +270,9 @@ void Watch::watch_record(const Told& told) {
     report_.moved_s[static_cast<std::size_t>(mode)] += kStep_s;
   }
   watch_events(told);
+  persons_.after_step(record);
+  if (const auto missed = sound_.after_step(record.fault_bits, raised_now_))
+    broken("I11: an alarm that nobody can hear: ", 0.0, contract::fault_info(*missed).name);
   const Rule rule = deadlines_.after_step(told, sampler_.now(), raised_now_);
   if (rule != Rule::count) broken(rule_info(rule).what, sampler_.now().fastest_m_s);
   // A late step commands late; without a bus no command to stop reaches a drive, and it brakes by itself 50 ms after the last one.
@@ -319,6 +334,7 @@ void Watch::watch_limits(const TickRecord& record) {
 void Watch::watch_driver(const TickRecord& record) {
   const bool wished = record.speed_wish_m_s != 0 || record.yaw_rate_wish_rad_s != 0;
   if (!wished) return;
+  if (const std::string_view why = persons_.led(record); !why.empty()) broken(why);
   if (record.lease_holder == 0) broken("I3: drives without a driver");
   if (record.remote_age_s > 0.26F) broken("I6: an old command acts", static_cast<double>(record.remote_age_s));
   if (world_.time_s() - driven_s_ > 0.27) broken("I6: acts on nothing fresh from its driver", world_.time_s() - driven_s_);
@@ -416,6 +432,8 @@ void Watch::watch_mode_change(const Told& told, Mode from, Mode to) {
   const bool released = (from == Mode::protective_stop && (to == Mode::standby || to == Mode::init)) ||
                         (from == Mode::fault && to != Mode::emergency_stop) || from == Mode::emergency_stop;
   if (released && now_s - acknowledged_s_ > 0.6) broken("I5: a stop ended without acknowledgement");
+  if (from == Mode::fault && to == Mode::init)
+    if (const std::string_view why = persons_.back_in_service(); !why.empty()) broken(why);
   if (moves(to)) watch_start(told, to);
   if (to == Mode::protective_stop || to == Mode::emergency_stop) ++report_.stops;
   if (moves(from) && !moves(to)) count_end(told.record, from);
@@ -427,6 +445,9 @@ void Watch::watch_start(const Told& told, Mode to) {
   ++report_.starts;
   if (const std::string_view why = deadlines_.start_barred(to); !why.empty()) broken(why);
   if (told.record.lease_holder == 0) broken("I3: a start without a driver");
+  if (const std::string_view why = persons_.started(told.record, to, world_.time_s()); !why.empty()) broken(why);
+  if (const auto stale = settings_.stale(told.params))
+    broken("I10: a node works with another value than the one in force: ", 0.0, contract::kParams[contract::param_index(*stale)].name);
   constexpr double kHidden_rad = 2.0 * kDegree_rad, kTolerance_norm = 0.2;
   const sim::Plant& plant = world_.plant();
   const double left_rad = plant.strut_alpha_rad(sim::Side::left), right_rad = plant.strut_alpha_rad(sim::Side::right);

@@ -11,7 +11,10 @@
 #include "tests/chaos/judge/board.hpp"
 #include "tests/chaos/judge/deadlines.hpp"
 #include "tests/chaos/judge/ears.hpp"
+#include "tests/chaos/judge/persons.hpp"
 #include "tests/chaos/judge/seen.hpp"
+#include "tests/chaos/judge/settings.hpp"
+#include "tests/chaos/judge/sound.hpp"
 #include "tests/chaos/judge/truth.hpp"
 #include "tests/chaos/judge/verdict.hpp"
 
@@ -27,7 +30,7 @@ class Watch {
   Watch(const sim::World& world, const Board& board, Options options, const contract::Params& first, SessionReport& report);
 
   void before_step(const Given& given);
-  void sent(const contract::CanFrame& frame) { ears_.sent(frame); }
+  void sent(const contract::CanFrame& frame) { ears_.sent(frame), settings_.sent(frame); }
   /// After a step of the world. Without a core nothing was told in it.
   void after_step(const Told* told);
   /// An end of motion in the next seconds is intended.
@@ -65,6 +68,9 @@ class Watch {
   SessionReport& report_;
   Ears ears_;
   Deadlines deadlines_;
+  Persons persons_;
+  Settings settings_;
+  Sound sound_;
   TruthSampler sampler_;
   std::vector<std::string> told_;
   std::vector<MustStop> must_stop_;
