@@ -64,8 +64,7 @@ class Session {
     report_.length_s = options.length_s;
     report_.hashes.reserve(static_cast<std::size_t>(options.length_s) + 20);
     const bool frames_fail = options_.frame_loss > 0 || planned(Kind::drop) || planned(Kind::corrupt) || planned(Kind::delay) ||
-                             planned(Kind::duplicate) || planned(Kind::bus_off) || planned(Kind::mute_core) ||
-                             planned(Kind::tuned_twice);
+                             planned(Kind::duplicate) || planned(Kind::bus_off) || planned(Kind::mute_core) || planned(Kind::tuned_twice);
     if (frames_fail)
       loop_.world().set_frame_fault([this](std::size_t port, const CanFrame& frame, std::uint64_t) { return frame_fault(port, frame); });
     loop_.on_inputs([this](const core::TickInputs& inputs) { see(inputs); });
@@ -630,7 +629,8 @@ class Session {
           deaf |= 1U << loop_.world().port_of(f.node);
           break;
         case Kind::tuned_twice:  // answers as late as the load plan of the bus allows
-          if ((frame.id & 0x780U) == contract::canopen::kSdoReplyBase)
+          // Offered again after that, and then sent.
+          if ((frame.id & 0x780U) == contract::canopen::kSdoReplyBase && ((answers_late_ ^= 1U << port) >> port & 1U) != 0)
             return {bus::BusFault::Kind::delay, static_cast<std::uint64_t>((10.0 + 17.0 * f.size) * 1e6)};
           break;
         case Kind::mute_core:  // its commands still come
@@ -876,6 +876,7 @@ class Session {
   std::vector<contract::DriveCommand> drives_;  // and driven
   std::vector<CanFrame> echoes_;
   std::uint64_t ticks_{};
+  std::uint32_t answers_late_{};  // ports whose answer waits
   std::uint32_t strange_serial_{0x20000000U};
   double next_s_{}, stick_s_{};
   double stick_speed_norm_{};
