@@ -79,6 +79,7 @@ class Session {
       report_.motion = (report_.motion ^ word) * 0x9E3779B97F4A7C15ULL;
       report_.motion ^= report_.motion >> 29;
     });
+    loop_.on_millisecond([this] { watch_.see_millisecond(); });
     if (options_.sabotage)
       loop_.break_core([this](core::CoreState& core, core::TickOutputs& out) { options_.sabotage(loop_.time_s(), core, out); });
     if (options_.storage && (options_.record || options_.lying_disk ||

@@ -17,6 +17,8 @@ using HoistFault = contract::Fault;
 constexpr double kStep_s = 0.01;
 constexpr double kRolls_m_s = 0.12;  // the core's rules begin at 0.1 m/s
 constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
+// What the tilt filter hides of a lean (H15).
+constexpr double kFiltered_rad = 2.0 * kDegree_rad;
 // One step passes between a cause and the next look at it.
 constexpr double kLook_s = 0.011;
 
@@ -94,6 +96,7 @@ constexpr std::array kRules{
     // The drives leave operation 250 ms after the last one, and are missed then.
     RuleInfo{Rule::unheard, "I1: a computer without a heartbeat drives on for longer than 310 ms", 0.31 + kLook_s,
              kDrives | any(HoistFault::drive_left_lost, HoistFault::drive_right_lost) | kBus, 1.0, true},
+    RuleInfo{Rule::zero_lost, "I1: a sensor that has lost its zero calls its angles valid for longer than 6.2 s", 6.2 + kLook_s, 0},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kRules.size(); ++i)
@@ -300,7 +303,9 @@ void Deadlines::take_frames(const Truth& truth) {
     const auto& drive = ears_.drive(side);
     const bool runs = contract::canopen::drive::state(drive.status) == contract::canopen::drive::State::operation_enabled;
     follow = follow && runs && drive.told_to_run;
-    dropped_s_[side] = moves(mode_) && drive.told_to_run && !runs ? dropped_s_[side] + kStep_s : 0;
+    // Also while it ends a stop of its own, which no command interrupts, as long as the other one is driven on.
+    const bool driven = drive.told_to_run || ears_.drive(1 - side).told_to_run;
+    dropped_s_[side] = moves(mode_) && driven && !runs ? dropped_s_[side] + kStep_s : 0;
   }
   follow_s_ = follow ? follow_s_ + kStep_s : 0;
 }
@@ -357,13 +362,25 @@ std::string_view Deadlines::start_barred(Mode to) const {
   return {};
 }
 
+// A gyroscope whose zero went off by 6.5 degrees a second or more, in a sensor that is heard and has nothing else. One that is measured anew has
+// a new zero.
+bool Deadlines::believes_lost_zero() const {
+  constexpr double kFound_rad_s = 6.5 * kDegree_rad, kJump_rad_s = 0.35;
+  return std::any_of(board_.rows.begin(), board_.rows.end(), [&](const Planned& row) {
+    const Node node = row.fault.node;
+    return row.fault.kind == Kind::gyro_jump && row.on && std::fabs(row.fault.size - 0.5) * kJump_rad_s > kFound_rad_s && !stuck(node) &&
+           ears_.age(node) <= 1 && ears_.tilt(node).valid && ears_.tilt(node).settled_steps * kStep_s > seen_s_ - row.fault.start_s;
+  });
+}
+
 bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
   const sim::Plant& plant = world_.plant();
   const auto any_tilt = [&](auto what) { return what(Node::tilt_left) || what(Node::tilt_right) || what(Node::tilt_base); };
   const bool bus_settled = ears_.bus_age() > 60;
   const bool moving = moves(mode);
-  // Where the body goes because the hoist itself brakes or starts.
-  const bool thrown = seen_s_ - braked_s_ < 0.4 && (truth.forward_rad > 0) == throws_forward_;
+  // Where the body goes because the hoist itself brakes or starts: along the way, and not mainly to a side.
+  const bool along = std::fabs(truth.right_rad) < std::fabs(truth.forward_rad) + kFiltered_rad;
+  const bool thrown = seen_s_ - braked_s_ < 0.4 && (truth.forward_rad > 0) == throws_forward_ && along;
   switch (rule) {
     case Rule::silent_drive_left:
     case Rule::silent_drive_right:
@@ -499,6 +516,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
     }
     case Rule::unheard:
       return muted_in_motion_;
+    case Rule::zero_lost:
+      return believes_lost_zero();
     case Rule::count:
       break;
   }

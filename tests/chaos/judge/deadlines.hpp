@@ -60,6 +60,7 @@ enum class Rule : std::uint8_t {
   over_voltage,
   slipping,
   unheard,
+  zero_lost,
   count
 };
 inline constexpr std::size_t kRuleCount = static_cast<std::size_t>(Rule::count);
@@ -137,6 +138,8 @@ class Deadlines {
   [[nodiscard]] bool comes_free() const;
   /// Whether the true state explains a stop for this alarm: each limit a tenth laxer than the alarm's own.
   [[nodiscard]] bool explained(contract::Fault cause) const;
+  /// The lean that the frames of the three sensors tell is the true one.
+  [[nodiscard]] bool lean_told_rightly() const;
   /// Speed that a wheel at rest may show: see README.md.
   [[nodiscard]] static double rest_m_s(const Truth& truth);
 
@@ -147,9 +150,9 @@ class Deadlines {
   [[nodiscard]] bool in_force(contract::Fault fault) const { return in_force_s_[contract::fault_info(fault).bit] >= judged_s_; }
   [[nodiscard]] bool holds(Rule rule, const Truth& truth, contract::Mode mode) const;
   [[nodiscard]] bool silent(contract::Node node) const;
+  [[nodiscard]] bool believes_lost_zero() const;
   [[nodiscard]] bool dragged(const Truth& truth) const;
   [[nodiscard]] bool answered(const RuleInfo& rule, double since_s, contract::Mode mode) const;
-  [[nodiscard]] bool lean_told_rightly() const;
   [[nodiscard]] bool sensors_heard() const;
   [[nodiscard]] bool drives_follow() const;
   [[nodiscard]] bool stuck(contract::Node node) const { return board_.now(Kind::sensor_stuck, node); }
@@ -178,9 +181,9 @@ class Deadlines {
   double swung_s_ = 0, widely_s_ = -100;
   // Rolling without a step. The alarm's own limits are 6 mm, 2 s and 0.1 m/s.
   double drawn_s_ = 0, stepless_s_ = -100;
-  double follow_s_ = 0;  // how long both drives have followed
+  double follow_s_ = 0;                           // how long both drives have followed
   bool muted_ = false, muted_in_motion_ = false;  // the computer's heartbeat is lost
-  double moving_s_ = 0;  // how long the mode has been one that moves
+  double moving_s_ = 0;                           // how long the mode has been one that moves
   std::array<double, 2> dropped_s_{};
   enum Bar : std::size_t { touching, fresh_touch, chain, silent_node, blind_sensor, no_battery, turning, unchecked, kBarCount };
   std::array<double, kBarCount> barred_s_{};         // how long each has barred a start

@@ -19,6 +19,8 @@ constexpr double kFollow_s = 0.1, kStep_s = 0.01;
 constexpr double kLate_s = 0.005, kFarTooLate_s = 0.030;
 constexpr int kLateWindow_steps = 100;
 constexpr std::uint16_t kEnable = 0x000F;
+// Of a tilt sensor's status 2120h.
+constexpr unsigned kValid = 1, kSettled = 2, kSaturated = 8, kSelfTestFailed = 16;
 
 }  // namespace
 
@@ -37,7 +39,10 @@ void Ears::take(const contract::CanFrame& frame) {
     ++answers_[what.node];
     if (kind == contract::NodeKind::tilt) {
       Tilt& tilt = tilts_[what.node];
-      tilt.valid = (contract::read_slot(frame, contract::pdo_slot(Pdo::tilt_tx1, 0x2120)) & 1) != 0;
+      const auto status = static_cast<unsigned>(contract::read_slot(frame, contract::pdo_slot(Pdo::tilt_tx1, 0x2120)));
+      tilt.valid = (status & kValid) != 0;
+      if ((status & kSettled) == 0) tilt.settled_steps = 0;
+      if (!tilt.valid || (status & (kSaturated | kSelfTestFailed)) != 0) doubt_age_ = 0;
       tilt.forward_rad = static_cast<double>(contract::read_slot(frame, contract::pdo_slot(Pdo::tilt_tx1, 0x6010))) * kRadPerMilliDegree;
       tilt.right_rad = static_cast<double>(contract::read_slot(frame, contract::pdo_slot(Pdo::tilt_tx1, 0x6020))) * kRadPerMilliDegree;
     } else if (kind == contract::NodeKind::drive) {
@@ -66,6 +71,9 @@ void Ears::before_step(const Given& given) {
     if (age < kNever) ++age;
   if (battery_age_ < kNever) ++battery_age_;
   if (rates_age_ < kNever) ++rates_age_;
+  if (doubt_age_ < kNever) ++doubt_age_;
+  for (Tilt& tilt : tilts_)
+    if (tilt.settled_steps < kNever) ++tilt.settled_steps;
   bus_age_ = given.bus_up ? bus_age_ + 1 : 0;
   answers_ = {};
   int& oldest = stranger_counts_[static_cast<std::size_t>(steps_) % kWindow];

@@ -15,6 +15,7 @@ class Ears {
   struct Tilt {
     double forward_rad = 0, right_rad = 0;
     bool valid = false;
+    int settled_steps = 0;  // since it has known its zero
   };
   struct Drive {
     std::uint16_t status = 0;
@@ -32,6 +33,8 @@ class Ears {
   /// Steps since the node's cyclic data (TPDO1) came, counted in steps that the core ran.
   [[nodiscard]] int age(contract::Node node) const { return age_[static_cast<std::size_t>(node)]; }
   [[nodiscard]] int battery_age() const { return battery_age_; }
+  /// Steps since a tilt sensor last said, in a frame as the dictionary has it, that it knows nothing, is saturated or has failed.
+  [[nodiscard]] int doubt_age() const { return doubt_age_; }
   [[nodiscard]] int rates_age() const { return rates_age_; }
   [[nodiscard]] int bus_age() const { return bus_age_; }  // since the port last said that the bus is down
   [[nodiscard]] bool bus_up() const { return bus_age_ > 0; }
@@ -67,7 +70,8 @@ class Ears {
   std::array<double, 2> battery_v_{};
   std::uint64_t heartbeat_ = 0;
   double lateness_s_ = 0;
-  int strangers_ = 0, steps_ = 0, bus_age_ = 0, battery_age_ = kNever, rates_age_ = kNever, server_age_ = kNever, since_late_ = kNever;
+  int strangers_ = 0, steps_ = 0, bus_age_ = 0, battery_age_ = kNever, rates_age_ = kNever, doubt_age_ = kNever, server_age_ = kNever,
+      since_late_ = kNever;
   std::uint8_t bumpers_ = 0;
   bool too_late_ = false;
 };

@@ -92,6 +92,7 @@ Watch::Watch(const sim::World& world, const Board& board, Options options, const
       report_(report),
       deadlines_(world, board, ears_),
       sound_(world, ears_),
+      alarms_(world, board, ears_, [this](std::string_view what, double value, std::string_view name) { broken(what, value, name); }),
       params_(first) {}
 
 void Watch::core_restarted(const contract::Params& params, std::uint64_t version, std::size_t events) {
@@ -109,6 +110,7 @@ void Watch::core_restarted(const contract::Params& params, std::uint64_t version
   persons_.restart();
   settings_.restart();
   sound_.restart();
+  alarms_.restart();
   ran_ = false;
 }
 
@@ -168,6 +170,7 @@ void Watch::before_step(const Given& inputs) {
     next_sequence_ = 0;
     driver_gone();
   }
+  freed_ = inputs.server_life != server_life_;
   server_life_ = inputs.server_life;
   for (const contract::Command& c : commands_) {
     const bool repeated = c.sequence < next_sequence_;
@@ -182,9 +185,11 @@ void Watch::before_step(const Given& inputs) {
     if (c.kind == CommandKind::acknowledge && by_holder && !repeated) {
       acknowledged_s_ = world_.time_s();
       deadlines_.acknowledged();
+      alarms_.acknowledged();
     }
     if (c.kind == CommandKind::release_lease && !repeated && (c.client == 0 || c.client == holder)) {
       holder = 0;
+      freed_ = true;
       driver_gone();
     }
   }
@@ -198,6 +203,7 @@ void Watch::before_step(const Given& inputs) {
   if (d.held == 1 && !fresh) return;
   drive_epoch_ = lease_epoch_;
   drive_sequence_ = d.sequence;
+  alarms_.hand(world_.time_s() - static_cast<double>(inputs.time_ns - std::min(d.echo_time_ns, inputs.time_ns)) * 1e-9, d.held == 1);
   // Hold-to-run was held when the client had seen that record; later is not certain.
   if (d.held == 1) driven_s_ = std::max(driven_s_, world_.time_s() - static_cast<double>(inputs.time_ns - d.echo_time_ns) * 1e-9);
   persons_.button(d.held == 1, driven_s_);
@@ -283,6 +289,8 @@ void Watch::watch_record(const Told& told) {
       for (MustStop& stop : must_stop_) stop.by_s = std::max(stop.by_s, must_stop_.back().by_s);
   }
   if (record.tick != last_tick_) broken("I9: the record's tick is not the step's", static_cast<double>(record.tick));
+  alarms_.after_step(told, sampler_.now(), lease_holder_, freed_);
+  if (record.lease_epoch != lease_epoch_) alarms_.hand_gone();
   lease_epoch_ = record.lease_epoch;
   lease_holder_ = record.lease_holder;
   mode_ = mode;
@@ -411,9 +419,11 @@ void Watch::watch_events(const Told& told) {
       if ((raised_ & bit) != 0) broken("I11: a fault is raised twice: ", 0.0, name);
       raised_ |= bit;
       raised_now_ |= bit;
+      alarms_.raised(static_cast<HoistFault>(e.code));
     } else if (e.kind == EventKind::fault_cleared) {
       if ((raised_ & bit) == 0) broken("I11: a fault is cleared that was not raised: ", 0.0, name);
       raised_ &= ~bit;
+      alarms_.cleared(static_cast<HoistFault>(e.code), mode_, sampler_.now(), deadlines_.lean_told_rightly());
     } else if (e.kind == EventKind::mode_changed) {
       watch_mode_change(told, static_cast<Mode>(e.item), static_cast<Mode>(e.code));
     }

@@ -8,6 +8,7 @@
 
 #include "control/contract/faults.hpp"
 #include "control/contract/signals.hpp"
+#include "tests/chaos/judge/alarms.hpp"
 #include "tests/chaos/judge/board.hpp"
 #include "tests/chaos/judge/deadlines.hpp"
 #include "tests/chaos/judge/ears.hpp"
@@ -33,6 +34,8 @@ class Watch {
   void sent(const contract::CanFrame& frame) { ears_.sent(frame), settings_.sent(frame); }
   /// After a step of the world. Without a core nothing was told in it.
   void after_step(const Told* told);
+  /// After every millisecond of the world.
+  void see_millisecond() { alarms_.see_millisecond(); }
   /// An end of motion in the next seconds is intended.
   void stop_is_wanted() { asked_stop_s_ = world_.time_s(); }
   void core_restarted(const contract::Params& params, std::uint64_t version, std::size_t events);
@@ -71,6 +74,7 @@ class Watch {
   Persons persons_;
   Settings settings_;
   Sound sound_;
+  Alarms alarms_;
   TruthSampler sampler_;
   std::vector<std::string> told_;
   std::vector<MustStop> must_stop_;
@@ -92,6 +96,7 @@ class Watch {
   contract::FaultBits raised_{};
   contract::FaultBits raised_now_{};  // in this step
   std::uint64_t last_tick_{};
+  bool freed_{false};  // control was given back in this step, or the server began anew
   bool ran_{false}, followed_{false}, core_runs_{true}, begun_disturbed_{false};
 };
 
