@@ -111,6 +111,7 @@ void Watch::core_restarted(const contract::Params& params, std::uint64_t version
   settings_.restart();
   sound_.restart();
   alarms_.restart();
+  motion_.restart();
   ran_ = false;
 }
 
@@ -182,6 +183,7 @@ void Watch::before_step(const Given& inputs) {
     }
     if (holder == 0) continue;
     const bool by_holder = c.client == holder && c.lease_epoch == lease_epoch_;
+    if (c.kind == CommandKind::begin_guided && by_holder && !repeated && !moves(mode_)) motion_.exercise(contract::guided_of(c).speed_m_s);
     if (c.kind == CommandKind::acknowledge && by_holder && !repeated) {
       acknowledged_s_ = world_.time_s();
       deadlines_.acknowledged();
@@ -211,6 +213,17 @@ void Watch::before_step(const Given& inputs) {
     deadlines_.held(driven_s_);
   else
     deadlines_.released();
+  hand_holds(d.held == 1);
+}
+
+// A hand that lets go stops the hoist at once; one that holds again drives on.
+void Watch::hand_holds(bool holds) {
+  constexpr std::string_view kLetGo = "letting go";
+  const bool before = std::exchange(hand_holds_, holds);
+  if (holds)
+    must_stop_.erase(std::remove_if(must_stop_.begin(), must_stop_.end(), [&](const MustStop& stop) { return stop.cause == kLetGo; }),
+                     must_stop_.end());
+  if (!holds && before && contract::led_by_hand(mode_)) must_stop(kLetGo, 0.01, 0.8);
 }
 
 void Watch::after_step(const Told* told) {
@@ -295,9 +308,17 @@ void Watch::watch_record(const Told& told) {
   lease_holder_ = record.lease_holder;
   mode_ = mode;
   watch_rest();
+  watch_motion(told);
   last_speed_m_s_ = static_cast<double>(record.speed_command_m_s);
   followed_ = enabled(record.left_status_word) && enabled(record.right_status_word);
   ran_ = true;
+}
+
+void Watch::watch_motion(const Told& told) {
+  const Truth& truth = sampler_.now();
+  const bool free = !deadlines_.beyond_the_hoist(truth) && !deadlines_.comes_free() && !truth.on_edge && !truth.strap_off;
+  const Motion::Broken wrong = motion_.after_step(told, truth, !board_.inside(world_.time_s(), kAftermath_s), free);
+  if (!wrong.what.empty()) broken(wrong.what, wrong.value);
 }
 
 void Watch::watch_rest() {
@@ -420,6 +441,8 @@ void Watch::watch_events(const Told& told) {
       raised_ |= bit;
       raised_now_ |= bit;
       alarms_.raised(static_cast<HoistFault>(e.code));
+      // No fault of a part, a person or a network makes the core's own commands wrong.
+      if (bit == contract::fault_bit(HoistFault::gate_refused)) broken("I2: the core made a command that its gate refused");
     } else if (e.kind == EventKind::fault_cleared) {
       if ((raised_ & bit) == 0) broken("I11: a fault is cleared that was not raised: ", 0.0, name);
       raised_ &= ~bit;

@@ -12,6 +12,7 @@
 #include "tests/chaos/judge/board.hpp"
 #include "tests/chaos/judge/deadlines.hpp"
 #include "tests/chaos/judge/ears.hpp"
+#include "tests/chaos/judge/motion.hpp"
 #include "tests/chaos/judge/persons.hpp"
 #include "tests/chaos/judge/seen.hpp"
 #include "tests/chaos/judge/settings.hpp"
@@ -45,6 +46,7 @@ class Watch {
 
  private:
   void driver_gone();
+  void hand_holds(bool holds);
   void must_rest(std::string_view cause, double budget_s, double braking_m_s2);
   [[nodiscard]] double reached_m_s(double budget_s) const;
   struct MustStop {
@@ -55,6 +57,7 @@ class Watch {
   void watch_truth(bool core_ran);
   void watch_platform(bool core_ran);
   void watch_rest();
+  void watch_motion(const Told& told);
   void watch_record(const Told& told);
   void watch_limits(const contract::TickRecord& record);
   void watch_driver(const contract::TickRecord& record);
@@ -76,6 +79,7 @@ class Watch {
   Sound sound_;
   Alarms alarms_;
   TruthSampler sampler_;
+  Motion motion_{ears_};
   std::vector<std::string> told_;
   std::vector<MustStop> must_stop_;
   std::vector<contract::Command> commands_;  // of this step
@@ -97,6 +101,7 @@ class Watch {
   contract::FaultBits raised_now_{};  // in this step
   std::uint64_t last_tick_{};
   bool freed_{false};  // control was given back in this step, or the server began anew
+  bool hand_holds_{false};
   bool ran_{false}, followed_{false}, core_runs_{true}, begun_disturbed_{false};
 };
 
