@@ -16,6 +16,9 @@ constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node:
 constexpr std::array<std::string_view, 6> kNodeNames{"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"};
 constexpr std::uint64_t kPlanStream = 1, kLaterStream = 12, kPartStream = 13, kMomentStream = 21;
 constexpr double kLaterShare = 0.4, kPartShare = 0.35, kMomentShare = 0.35;  // of the sessions
+// Falls to the side are rare among all kinds, and each has its own angle to what the hoist does: some more, by a stream of their own.
+constexpr std::uint64_t kFallStream = 16;
+constexpr double kFallShare = 0.08;
 // No motion before this.
 constexpr double kFirst_s = 6.0;
 
@@ -61,6 +64,13 @@ Fault draw(Dice& dice, const std::vector<Kind>& kinds, double length_s) {
   return fault;
 }
 
+// Within 30 degrees of either side.
+Fault draw_fall(Dice& dice, double length_s) {
+  Fault fault = draw(dice, {Kind::fall_aside}, length_s);
+  fault.size = rounded((dice.chance(0.5) ? 0.75 : 0.25) + dice.between(-1.0, 1.0) / 12.0);
+  return fault;
+}
+
 }  // namespace
 
 std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only) {
@@ -85,6 +95,8 @@ std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bo
     if (fault.kind != Kind::mute_core) fault.end_s = rounded(fault.end_s + waits_s);
     faults.push_back(fault);
   }
+  if (Dice fall_dice(seed, kFallStream); most > 0 && !outside_only && fall_dice.chance(kFallShare))
+    faults.push_back(draw_fall(fall_dice, length_s));
   return faults;
 }
 

@@ -33,7 +33,7 @@ using contract::TickRecord;
 
 // Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
-                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kMomentStream = 22;
+                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kRescueStream = 15, kMomentStream = 22;
 constexpr double kUnevenShare = 0.5;    // of the sessions: walked by one of the family
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
@@ -42,6 +42,7 @@ constexpr double kMending_s = 1e-3 * firmware::kTiltStart_ms + 2.0 + 1.0 + 1.0;
 // memory of 10 s, is below 30 degrees after 51 s.
 constexpr double kUnlearning_s = 60.0;
 constexpr std::size_t kRemembered = 64;
+constexpr double kNever_s = 1e9;
 
 class Session {
  public:
@@ -55,6 +56,7 @@ class Session {
         link_dice_(options.seed, kLinkStream),
         serial_dice_(options.seed, kSerialStream),
         defiance_dice_(options.seed, kDefianceStream),
+        rescue_dice_(options.seed, kRescueStream),
         loop_(loop_options()),
         moments_(loop_, Dice(options.seed, kMomentStream)),
         watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
@@ -332,6 +334,7 @@ class Session {
         break;
       case Kind::fall_aside:  // to any side, as over a slipped foot
         if (on) world.patient().trip((2.0 * f.size - 1.0) * sim::kPi);
+        if (on && rescue_dice_.chance(0.8)) rescue_s_ = loop_.time_s() + rescue_dice_.between(0.4, 1.0);
         break;
       case Kind::faint:
         if (on) world.patient().collapse((2.0 * f.size - 1.0) * sim::kPi);
@@ -722,6 +725,7 @@ class Session {
     if (mode != last_mode_ && (mode == Mode::protective_stop || moves(last_mode_))) next_s_ = std::max(next_s_, now_s + pause_s(0.8, 2.5));
     last_mode_ = mode;
     if (options_.only_walk) return start_once(now_s);
+    if (now_s >= rescue_s_) return end_for_a_fall(mode);
     if (mode == Mode::standby) return on_standby(now_s);
     if (mode == Mode::user) return while_leading(now_s);
     if (mode == Mode::remote) return while_driving(now_s);
@@ -784,6 +788,14 @@ class Session {
     watch_.stop_is_wanted();
     wait(now_s, 1.0, 4.0);
     return true;
+  }
+  // Who sees the patient go down ends the motion, as fast as a hand is: the hoist brakes while the body falls.
+  void end_for_a_fall(Mode mode) {
+    rescue_s_ = kNever_s;
+    if (!moves(mode)) return;
+    loop_.let_go();
+    ask_mode(Mode::standby);
+    watch_.stop_is_wanted();
   }
   // The hand on the button: mostly held, sometimes released, sometimes lost without a release.
   void while_guiding(double now_s) {
@@ -867,7 +879,7 @@ class Session {
   SessionOptions options_;
   std::vector<Fault> faults_;
   Board board_;
-  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_;
+  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_, rescue_dice_;
   tests::ClosedLoop loop_;
   Moments moments_;
   std::unique_ptr<Storage> storage_;
@@ -879,7 +891,7 @@ class Session {
   std::uint64_t ticks_{};
   std::uint32_t answers_late_{};  // ports whose answer waits
   std::uint32_t strange_serial_{0x20000000U};
-  double next_s_{}, stick_s_{};
+  double next_s_{}, stick_s_{}, rescue_s_{kNever_s};
   double stick_speed_norm_{};
   Mode last_mode_{Mode::init};
   bool mending_{false}, started_{false};
