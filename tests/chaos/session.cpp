@@ -33,7 +33,8 @@ using contract::TickRecord;
 
 // Random streams of a session: independent of each other.
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
-                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kRescueStream = 15, kMomentStream = 22;
+                        kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kRescueStream = 15, kEchoStream = 17,
+                        kMomentStream = 22;
 constexpr double kUnevenShare = 0.5;    // of the sessions: walked by one of the family
 constexpr std::uint32_t kStranger = 2;  // another client of the server
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
@@ -57,6 +58,7 @@ class Session {
         serial_dice_(options.seed, kSerialStream),
         defiance_dice_(options.seed, kDefianceStream),
         rescue_dice_(options.seed, kRescueStream),
+        echo_dice_(options.seed, kEchoStream),
         loop_(loop_options()),
         moments_(loop_, Dice(options.seed, kMomentStream)),
         watch_(loop_.world(), board_, {options_.tell, options_.frame_loss > 0.0}, loop_.core().params, report_) {
@@ -833,6 +835,7 @@ class Session {
     stick_s_ = now_s + therapist_dice_.between(0.5, 2.5);
     if (therapist_dice_.chance(0.25)) {
       loop_.let_go();
+      if (echo_dice_.chance(0.1)) echo_s_ = now_s + 0.08;
     } else if (therapist_dice_.chance(0.1)) {
       loop_.fall_silent();
       watch_.stop_is_wanted();  // while pushed: that the hoist stops is no false stop
@@ -842,6 +845,13 @@ class Session {
       stick_speed_norm_ = std::clamp(stick_speed_norm_ + therapist_dice_.between(-0.35, 0.35), -0.3, 1.0);
       loop_.hold_stick(stick_speed_norm_, therapist_dice_.between(-0.7, 0.7));
     }
+  }
+  // The last command of a hand that has let go comes once more, as over a link that sends again what was not answered in time.
+  void echo_the_hand() {
+    if (loop_.time_s() < echo_s_) return;
+    echo_s_ = kNever_s;
+    const auto last = std::find_if(drives_.rbegin(), drives_.rend(), [](const contract::DriveCommand& drive) { return drive.held == 1; });
+    if (last != drives_.rend()) loop_.put_drive(*last);
   }
   void while_stopped(double now_s) {
     loop_.fall_silent();
@@ -867,6 +877,7 @@ class Session {
   void step() {
     drive_faults();
     if (++ticks_ % 10 == 0) therapist();
+    echo_the_hand();
     const bool ran = loop_.core_runs();
     loop_.step();
     if (storage_ != nullptr) storage_->tick(clock_ns());
@@ -879,7 +890,7 @@ class Session {
   SessionOptions options_;
   std::vector<Fault> faults_;
   Board board_;
-  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_, rescue_dice_;
+  Dice therapist_dice_, frame_dice_, fault_dice_, link_dice_, serial_dice_, defiance_dice_, rescue_dice_, echo_dice_;
   tests::ClosedLoop loop_;
   Moments moments_;
   std::unique_ptr<Storage> storage_;
@@ -891,7 +902,7 @@ class Session {
   std::uint64_t ticks_{};
   std::uint32_t answers_late_{};  // ports whose answer waits
   std::uint32_t strange_serial_{0x20000000U};
-  double next_s_{}, stick_s_{}, rescue_s_{kNever_s};
+  double next_s_{}, stick_s_{}, rescue_s_{kNever_s}, echo_s_{kNever_s};
   double stick_speed_norm_{};
   Mode last_mode_{Mode::init};
   bool mending_{false}, started_{false};
