@@ -581,7 +581,10 @@ class Session {
     // At standstill the lease may be taken, which "take_over" does.
     if (kind == CommandKind::take_lease && record.lease_holder == 0) return;
     if ((kind == CommandKind::set_neutral || kind == CommandKind::set_pose) && !moves(loop_.mode())) return;
-    loop_.ask_as(kStranger, kind, static_cast<std::uint32_t>(fault_dice_.below(5) == 1 ? 3 : 2), fault_dice_.norm());
+    const std::uint32_t which = fault_dice_.below(5) == 1 ? 3 : 2;
+    // The server asks for a hand-over only when the driver gives control away.
+    const bool handed_over = kind == CommandKind::take_lease && which == contract::kHandOver;
+    loop_.ask_as(kStranger, kind, handed_over ? 3 : which, fault_dice_.norm());
   }
 
   // Parameter sets of all kinds by the driver: valid, damaged, contradictory, of a role without permission.
