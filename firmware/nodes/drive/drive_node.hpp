@@ -15,6 +15,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "control/core/law/servo_loop.hpp"
 #include "firmware/lib/canopen_node.hpp"
@@ -125,8 +126,8 @@ class DriveNode {
 
  private:
   friend Stack;
-  static constexpr std::uint16_t kSwitchOnBit = 0x01, kVoltageBit = 0x02, kNoQuickStopBit = 0x04, kEnableBit = 0x08, kResetBit = 0x80,
-                                 kHaltBit = 0x100;
+  static constexpr std::uint16_t kSwitchOnBit = 0x01, kVoltageBit = 0x02, kNoQuickStopBit = 0x04, kEnableBit = 0x08, kRunBits = 0x0F,
+                                 kResetBit = 0x80, kHaltBit = 0x100;
 
   // ---- callbacks of the stack
 
@@ -219,16 +220,16 @@ class DriveNode {
   }
 
   void apply(std::uint16_t word) {
-    const std::uint16_t risen = static_cast<std::uint16_t>(word & ~word_);
-    word_ = word;
+    const std::uint16_t before = std::exchange(word_, word);
+    const bool reset = (word & ~before & kResetBit) != 0;
     if (state_ == State::fault) {
-      if ((risen & kResetBit) != 0 && cause_gone(fault_code_) && cause_gone(second_code_)) clear_fault();
+      if (reset && cause_gone(fault_code_) && cause_gone(second_code_)) clear_fault();
       return;
     }
-    if ((risen & kResetBit) != 0 && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended
+    if (reset && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended
     // A fault reaction must finish: disable voltage, which the computer sends meanwhile, would cut its ramp.
     if (state_ == State::fault_reaction || state_ == State::not_ready) return;
-    if (!apply_stop(word)) apply_start(word, risen);
+    if (!apply_stop(word)) apply_start(word, before);
   }
 
   // Disable voltage, quick stop and shutdown. True when the word is dealt with.
@@ -255,13 +256,15 @@ class DriveNode {
     return true;
   }
 
-  void apply_start(std::uint16_t word, std::uint16_t risen) {
+  void apply_start(std::uint16_t word, std::uint16_t before) {
     if (state_ == State::ready && supply_v_ >= kUnderVoltage_v && board_.driver_ok()) state_ = State::switched_on;  // transition 3
     if ((word & kEnableBit) == 0) {                                                                                 // transition 5
       if (state_ == State::operation_enabled) begin_stop(State::operation_enabled, State::switched_on);
       return;
     }
-    if ((risen & kEnableBit) == 0) return;
+    // The order is new when the word before was any other. By the rise of its last bit alone, a word from which the line took another bit would
+    // let this wheel stop by itself, although each word after it says to run.
+    if ((before & kRunBits) == kRunBits) return;
     if (state_ == State::switched_on)
       enable();  // transition 4
     else if (state_ == State::operation_enabled)

@@ -43,7 +43,8 @@ TEST_F(DriveTest, ReachesOperationInOrderAndTheBridgeIsOffUntilThen) {
 }
 
 TEST_F(DriveTest, H15_EnabledAgainOnTheWayToStandstillItGoesOnWithoutAJump) {
-  for (const int leave : {kShutdown, kSwitchOn}) {
+  // The last: an order to run from which a serial line without a checksum took a bit.
+  for (const int leave : {int{kShutdown}, int{kSwitchOn}, kEnable & ~1}) {
     SCOPED_TRACE(leave);
     start_anew(loaded_motor());
     drive_at(100);
@@ -89,16 +90,10 @@ TEST_F(DriveTest, H15_EnabledAgainAtRestItHoldsAndTheNextLeavingTakesItsWholeTim
   }
 }
 
-TEST_F(DriveTest, OnlyAnEnableBitThatRisesTakesALeavingBack) {
-  enable();
-  run(20, kEnable, 100);
-  run(10, kEnable & ~0x01, 100);  // shutdown with the enable bit left set
-  run(500, kEnable, 100);
-  EXPECT_EQ(node_.state(), State::switched_on);
-  EXPECT_FALSE(board_.bridge_on);
+TEST_F(DriveTest, AQuickStopIsNotTakenBack) {
   enable();
   run(100, kEnable, 100);
-  run(10, kQuickStop, 100);  // and a quick stop cannot be cancelled
+  run(10, kQuickStop, 100);
   run(10, kShutdown, 100);
   run(10, kEnable, 100);
   EXPECT_EQ(node_.state(), State::quick_stop_active);

@@ -247,9 +247,9 @@ class DriveRule {
     return (word & 8) == 0 ? Command::switch_on : Command::enable;
   }
   void obey(unsigned word) {
-    const unsigned risen = word & ~std::exchange(word_, word);
+    const unsigned before = std::exchange(word_, word);
     const Command command = command_of(word);
-    const bool reset = (risen & 0x80) != 0, enable_rises = command == Command::enable && (risen & 8) != 0;
+    const bool reset = (word & ~before & 0x80) != 0, enable_rises = command == Command::enable && command_of(before) != Command::enable;
     if (reset && first_.code == 0) record = {};
     switch (state) {
       case State::fault:
