@@ -877,6 +877,16 @@ TEST(CalibrationRules, ABarIsMeasuredFromPlacesThatItIsHeldAt) {
   }
 }
 
+// While hands pull at the bar the struts may be further apart than it can turn them: a quarter turn is shown, never nothing.
+TEST(CalibrationRules, StrutsPulledApartShowAQuarterTurn) {
+  for (const double apart : {0.5, -0.5}) {
+    Bench bench(CalibrationStep::strut_spacing, 1);
+    bench.move_to(thousandths({-apart, 0, apart, 0, 0, 0}), 12);
+    come_to_rest(bench, still_of(CalibrationStep::strut_spacing));
+    EXPECT_NEAR(bench.rule.value, apart > 0 ? 1.5708 : -1.5708, 1e-3);
+  }
+}
+
 TEST(CalibrationRules, WheelsAreMeasuredFromRestToRest) {
   for (const CalibrationStep step : {CalibrationStep::wheel_radius, CalibrationStep::track}) {
     const bool radius = step == CalibrationStep::wheel_radius;
