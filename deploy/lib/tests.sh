@@ -135,15 +135,14 @@ give_way() { renice -n 15 "$BASHPID" >/dev/null; }
 # The longest two suites that walk in real time, or all of ctest, are over.
 real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; }; }
 
-# run_console_suites RESULTS FILTER: the console's unit tests compute; the browser tests wait more than that, but not beside the suites that walk in
-# real time: a browser is a session of its own, and the kernel shares the processors among sessions before it looks at priorities.
+# run_console_suites RESULTS FILTER: the browser tests and the console's unit tests beside each other, but not beside the suites that walk in real
+# time: both drive browsers, each a session of its own, and the kernel shares the processors among sessions before it looks at priorities.
 run_console_suites() {
-  local results=$1 filter=$2 unit
-  (give_way && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
-  unit=$!
+  local results=$1 filter=$2
   until real_time_over "$results"; do sleep 1; done
+  (give_way && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
   run_browser_tests "$results" "$filter"
-  wait "$unit"
+  wait
   cat "$results/unit.log"
 }
 # run_suites RESULTS FILTER: every suite of the normal build.

@@ -14,7 +14,6 @@ namespace {
 using contract::CommandKind;
 using contract::Mode;
 
-constexpr std::uint32_t kTherapist = 1, kStranger = 2;  // clients of the server
 constexpr auto kTherapistRole = static_cast<std::uint32_t>(contract::Role::therapist);
 constexpr auto kEngineerRole = static_cast<std::uint32_t>(contract::Role::engineer);
 
@@ -50,7 +49,7 @@ bool Moments::may_start() const {
   return loop_.mode() == Mode::standby && loop_.record().lease_holder == kTherapist && loop_.record().blocked_bits == 0;
 }
 
-// Once in a stop, up to 0.2 s after it began, for 0.3 s: what the hoist slides against, or somebody who comes to help.
+// Once in a stop, up to 0.2 s after it began, for 0.3 s: what the hoist slides against, or the foot of a helper.
 void Moments::touch(const Fault& fault) {
   constexpr int kTouches_steps = 30;
   if (touch_steps_ > 0 && --touch_steps_ == kTouches_steps) loop_.world().plant().force_bumper(bumper_of(fault), true);

@@ -10,6 +10,8 @@
 
 namespace hoist::chaos {
 
+inline constexpr std::uint32_t kTherapist = 1, kStranger = 2;  // clients of the server
+
 class Moments {
  public:
   Moments(tests::ClosedLoop& loop, Dice dice) : loop_(loop), dice_(dice) {}

@@ -35,8 +35,7 @@ using contract::TickRecord;
 constexpr std::uint64_t kWorldStream = 2, kTherapistStream = 3, kFrameStream = 4, kFaultStream = 5, kLinkStream = 6, kSerialStream = 7,
                         kStorageStream = 8, kDefianceStream = 10, kPatientStream = 11, kRescueStream = 15, kEchoStream = 17,
                         kMomentStream = 22;
-constexpr double kUnevenShare = 0.5;    // of the sessions: walked by one of the family
-constexpr std::uint32_t kStranger = 2;  // another client of the server
+constexpr double kUnevenShare = 0.5;  // of the sessions: walked by one of the family
 // The longest way back: a tilt node's start with every try of the self-test, its still 2 s, the hoist's second of standing, the therapist's tries.
 constexpr double kMending_s = 1e-3 * firmware::kTiltStart_ms + 2.0 + 1.0 + 1.0;
 // A tilt filter unlearns a full scale of 4.36 rad/s with 6.7 s (30 s to 3 degrees a second); what it sends meanwhile, added up by the core with a

@@ -267,10 +267,10 @@ class Hoist:
         """Lets the patient lead and waits until the machine has moved.
 
         On a busy machine the simulated patient may give up waiting, or the core may stop because frames came too late. Neither is what a
-        case is about, so it is tried again; a walk that has ended in a stop is not waited for.
+        case is about, so it is tried again for as long as a machine may be busy; a walk that has ended in a stop is not waited for.
         """
-        tries = 4
-        for one in range(tries):
+        end = time.monotonic() + 120.0
+        while True:
             start = self.truth()
 
             def walked():
@@ -286,7 +286,7 @@ class Hoist:
                 until("the machine moves", walked, 40.0, 0.2)
                 return
             except Failed as error:
-                if one + 1 == tries:
+                if time.monotonic() > end:
                     raise Failed(f"{error}; {self.status()}; {self.truth()}") from None
                 print(f"[ WALK ] once more: {error}", flush=True)
                 self.recover()

@@ -552,7 +552,7 @@ bool advance_calibration(CoreState& state, double dt_s) noexcept {
   }
   if (++c.idle_ticks >= kCalibrationIdleTicks) {
     const bool no_bumper = c.step == CalibrationStep::bumpers && c.phase == CalibrationPhase::operator_;
-    // A refused step that nobody took up again ends with what was refused: the records would else know only the wait.
+    // A refused step that was not taken up again ends with what was refused: the records would else know only the wait.
     if (c.phase != CalibrationPhase::refused) c.reason = no_bumper ? CalibrationReason::bumper_dead : CalibrationReason::timed_out;
     return false;
   }

@@ -12,8 +12,6 @@ using contract::Mode;
 using contract::Node;
 using contract::TickRecord;
 
-constexpr double kStep_s = 0.01;
-constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 // An acknowledgement may wait half a second for a drive to leave its fault.
 constexpr double kReleased_s = 0.6;
 // H16: long enough to be read, and only when the patient stands: half of the 10 degrees, and 2 that the sensors' filter hides.
@@ -59,10 +57,10 @@ void Alarms::cleared(HoistFault fault, Mode before, const Truth& truth, bool lea
   const std::string_view name = contract::fault_info(fault).name;
   // INIT checks everything again when it ends.
   if (before != Mode::init && (kPassing & contract::fault_bit(fault)) == 0 && now_s - acknowledged_s_ > kReleased_s)
-    broken_("I11: an alarm goes out that nobody acknowledged: ", now_s - acknowledged_s_, name);
+    broken_("I11: an alarm goes out without an acknowledgement: ", now_s - acknowledged_s_, name);
   if (fault != HoistFault::patient_hanging) return;
   const double shown_s = now_s - raised_s_[contract::fault_info(fault).bit];
-  if (shown_s < kRead_s) broken_("I11: the alarm for a patient who hangs goes out before anybody can read it", shown_s, {});
+  if (shown_s < kRead_s) broken_("I11: the alarm for a patient who hangs goes out before it can be read", shown_s, {});
   if (lean_known && truth.lean_rad > kUpright_rad)
     broken_("I11: the alarm for a patient who hangs goes out while the patient hangs", truth.lean_rad, {});
 }

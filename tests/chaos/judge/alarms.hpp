@@ -47,7 +47,7 @@ class Alarms {
   const Board& board_;
   const Ears& ears_;
   Broken broken_;
-  std::array<double, 64> raised_s_{};
+  std::array<double, contract::kFaultPlaces> raised_s_{};
   double acknowledged_s_ = -100;
   double turns_s_ = 0;  // how long a wheel has turned
   double limit_a_ = 0;  // of the motors' current

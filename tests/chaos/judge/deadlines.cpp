@@ -14,9 +14,7 @@ using contract::Mode;
 using contract::Node;
 using HoistFault = contract::Fault;
 
-constexpr double kStep_s = 0.01;
 constexpr double kRolls_m_s = 0.12;  // the core's rules begin at 0.1 m/s
-constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 // What the tilt filter hides of a lean (H15).
 constexpr double kFiltered_rad = 2.0 * kDegree_rad;
 // One step passes between a cause and the next look at it.

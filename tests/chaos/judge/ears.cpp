@@ -11,11 +11,11 @@ using contract::CobKind;
 using contract::Node;
 using contract::Pdo;
 
-constexpr double kRadPerMilliDegree = 3.14159265358979323846 / 180.0 / 1000.0;
+constexpr double kRadPerMilliDegree = kDegree_rad / 1000.0;
 // Wheel of 0.10 m, gear 30; the target is in 1/1000 rad/s at the motor.
 constexpr double kMetresPerTarget = 0.001 / 30.0 * 0.10;
 // How a drive follows its target: measured lag of servo, bus and encoder together (REACTIONS.gen.md, time to rest).
-constexpr double kFollow_s = 0.1, kStep_s = 0.01;
+constexpr double kFollow_s = 0.1;
 constexpr double kLate_s = 0.005, kFarTooLate_s = 0.030;
 constexpr int kLateWindow_steps = 100;
 constexpr std::uint16_t kEnable = 0x000F;

@@ -14,8 +14,6 @@ namespace {
 using contract::Mode;
 using contract::Node;
 
-constexpr double kStep_s = 0.01;
-constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 constexpr double kTrack_m = 0.7;  // of the plant's wheels
 // By this much the frames may tell an angle wrongly: what the sensor's filter hides.
 constexpr double kHidden_rad = 2.0 * kDegree_rad, kHiddenSlope_rad = 0.7 * kDegree_rad;

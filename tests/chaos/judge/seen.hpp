@@ -7,6 +7,7 @@
 #include "control/contract/commands.hpp"
 #include "control/contract/params.hpp"
 #include "control/contract/signals.hpp"
+#include "tests/chaos/judge/units.hpp"
 
 namespace hoist::chaos {
 

@@ -3,7 +3,6 @@
 namespace hoist::chaos {
 namespace {
 
-constexpr double kStep_s = 0.01;
 // Until the buzzer is on: at once out of silence, with 120 ms of the input node's word; else in the next burst of an alarm that sounds already.
 constexpr double kAtOnce_s = 0.3;
 constexpr double next_burst_s(contract::Priority priority) {

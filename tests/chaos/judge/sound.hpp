@@ -1,4 +1,4 @@
-// The sound of alarms, at the true buzzer: a new alarm is heard, whatever was paused before.
+// The sound of alarms, at the true buzzer: a new alarm is heard, also in the pause of an earlier one.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@ class Sound {
   const sim::World& world_;
   const Ears& ears_;
   std::array<double, contract::kFaultPlaces> left_s_{};  // for each alarm, until it must have been heard; 0: nothing is due
-  bool paused_ = false;                                  // perhaps: somebody asked for it
+  bool paused_ = false;                                  // perhaps: a console asked for it
   bool pause_asked_ = false;                             // in this step
 };
 

@@ -6,7 +6,6 @@
 namespace hoist::chaos {
 namespace {
 
-constexpr double kStep_s = 0.01;
 constexpr double kGravity_m_s2 = 9.80665;
 
 }  // namespace

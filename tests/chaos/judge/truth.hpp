@@ -3,6 +3,7 @@
 #include <array>
 
 #include "firmware/sim/world.hpp"
+#include "tests/chaos/judge/units.hpp"
 
 namespace hoist::chaos {
 

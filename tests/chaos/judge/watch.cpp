@@ -23,8 +23,6 @@ using contract::ParamName;
 using contract::TickRecord;
 using HoistFault = contract::Fault;
 
-constexpr double kStep_s = 0.01;
-constexpr double kDegree_rad = 3.14159265358979323846 / 180.0;
 constexpr double kStill_m_s = 0.02;  // a wheel is at rest when this slow for this long
 constexpr int kRestedTicks = 5;
 constexpr double kEps = 1e-6;
@@ -220,9 +218,7 @@ void Watch::before_step(const Given& inputs) {
 void Watch::hand_holds(bool holds) {
   constexpr std::string_view kLetGo = "letting go";
   const bool before = std::exchange(hand_holds_, holds);
-  if (holds)
-    must_stop_.erase(std::remove_if(must_stop_.begin(), must_stop_.end(), [&](const MustStop& stop) { return stop.cause == kLetGo; }),
-                     must_stop_.end());
+  if (holds) std::erase_if(must_stop_, [&](const MustStop& stop) { return stop.cause == kLetGo; });
   if (!holds && before && contract::led_by_hand(mode_)) must_stop(kLetGo, 0.01, 0.8);
 }
 
@@ -291,7 +287,7 @@ void Watch::watch_record(const Told& told) {
   watch_events(told);
   persons_.after_step(record);
   if (const auto missed = sound_.after_step(record.fault_bits, raised_now_))
-    broken("I11: an alarm that nobody can hear: ", 0.0, contract::fault_info(*missed).name);
+    broken("I11: an alarm is not heard: ", 0.0, contract::fault_info(*missed).name);
   const Rule rule = deadlines_.after_step(told, sampler_.now(), raised_now_);
   if (rule != Rule::count) broken(rule_info(rule).what, sampler_.now().fastest_m_s);
   // A late step commands late; without a bus no command to stop reaches a drive, and it brakes by itself 50 ms after the last one.

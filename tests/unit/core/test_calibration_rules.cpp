@@ -156,7 +156,7 @@ class Rule {
       return false;
     }
     if (idle >= 60 * kSecond) {
-      // Nobody took a refused step up again: it ends with what was refused, not with the wait.
+      // A refused step that was not taken up again ends with what was refused, not with the wait.
       if (phase != CalibrationPhase::refused) reason = dead_bumper ? CalibrationReason::bumper_dead : CalibrationReason::timed_out;
       return false;
     }

@@ -558,7 +558,7 @@ TEST_F(DriveTroubles, H11EachSelfTestFindsWhatTheRuleSays) {
 }
 
 // A fault, then anything else that is wrong: the reset waits for the fault's own cause.
-TEST_F(DriveTroubles, AResetIsJudgedAsTheRuleSaysWhateverElseIsWrong) {
+TEST_F(DriveTroubles, AResetIsJudgedAsTheRuleSaysBesideOtherTroubles) {
   for (std::uint32_t seed = 1; seed <= 3 && good_; ++seed) {
     SCOPED_TRACE(seed);
     begin(seed);

@@ -85,6 +85,7 @@ export const de: Table = {
   'profile.all': 'Einstellungen für diesen Patienten',
   'profile.hint': 'Unter einem Namen gespeichert, zum Beispiel „mit Schiene“.',
   'profile.new': 'Jetzige Einstellungen speichern als',
+  'profile.name': 'ein Name dafür',
   'profile.saved': 'Gespeichert {date}',
   'profile.compare': 'Vergleichen',
   'profile.same': 'Wie die jetzigen Einstellungen.',

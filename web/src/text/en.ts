@@ -89,6 +89,7 @@ export const en = {
   'profile.all': 'Settings of this patient',
   'profile.hint': 'Kept under a name, for example “with brace”.',
   'profile.new': 'Save present settings as',
+  'profile.name': 'a name for them',
   'profile.saved': 'Saved {date}',
   'profile.compare': 'Compare',
   'profile.same': 'The same as the settings in force.',

@@ -3,7 +3,7 @@ import type { ComponentChildren } from 'preact';
 import { t } from '../text/text';
 
 interface FormButtonsProps {
-  /** Labels of the fields that must be filled in first. Their line stays when there are none, so that nothing moves while somebody types. */
+  /** Labels of the fields that must be filled in first. Their line stays when there are none, so that nothing moves during typing. */
   missing: readonly string[];
   ready?: boolean;
   close?: () => void;

@@ -62,7 +62,7 @@ export function Profiles({ patient, may }: { patient: number; may: boolean }) {
       <Form label={t('profile.new')} onSend={() => void save()}>
         <Field label={t('profile.new')} value={name} most={nameMost} onValue={setName} disabled={!may} />
         <Trouble problem={problem} />
-        <FormButtons missing={may && name.trim() === '' ? [t('profile.new')] : []} ready={may} />
+        <FormButtons missing={may && name.trim() === '' ? [t('profile.name')] : []} ready={may} />
       </Form>
     </section>
   );
