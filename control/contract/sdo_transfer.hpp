@@ -21,7 +21,8 @@ struct SdoTiming {
   std::uint64_t pace_ns = 4'300'000;      // between two requests: keeps service data within its 25 % of the bus
 };
 
-// `kUploadMost`: bytes; longer uploads are refused with 05040005h.
+// `kUploadMost`: bytes; longer uploads are refused with 05040005h. A client of words (4) takes none in segments: a node sends a word expedited, so an
+// answer that announces segments was damaged on the way.
 template <std::size_t kUploadMost>
 class SdoTransfer {
  public:
@@ -171,6 +172,7 @@ class SdoTransfer {
       outcome_ = Outcome::done;
       return;
     }
+    if constexpr (kUploadMax <= 4) return give_up(Outcome::confused, SdoAbort::command);
     told_ = size_given ? read_le(&frame.data[4], 4) : 0;
     size_told_ = size_given;
     if (told_ > kUploadMax) return give_up(Outcome::confused, SdoAbort::no_memory);

@@ -217,9 +217,11 @@ void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOu
   if (state.mode == contract::Mode::protective_stop && state.in_mode.hold.step(state.limiter, state.sensed))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do not follow their command
   const bool cut = state.in_mode.hold.cut() || state.relay.is_cut();
-  const bool drives = mode_row_of(state.mode).drives;
-  const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, drives, cut);
-  const std::uint16_t right_control = state.right_control.step(state.sensed.right_drive, drives, cut);
+  const Running wanted = !mode_row_of(state.mode).drives                     ? Running::off
+                         : is_moving(state.mode) && !state.limiter.at_rest() ? Running::go_on
+                                                                             : Running::begin;
+  const std::uint16_t left_control = state.left_control.step(state.sensed.left_drive, wanted, cut);
+  const std::uint16_t right_control = state.right_control.step(state.sensed.right_drive, wanted, cut);
   const bool joins = state.left_control.begins() || state.right_control.begins();
   if (state.mode == contract::Mode::protective_stop && joins && !state.left_control.goes_on() && !state.right_control.goes_on())
     rejoin(state);

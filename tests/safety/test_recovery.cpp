@@ -35,6 +35,39 @@ void each_node(ScriptedHoist& hoist, bool silent) {
     node->silent = silent;
 }
 
+// A word that the line has damaged takes a drive out of its motion. It is not led back: told to go on at full speed, its wheel would begin with what
+// the other one has by now, and the gate, which refuses that, would put the blame on the computer.
+TEST(Recovery, H2ADriveThatDropsOutOfAMotionIsNotLedBackIntoIt) {
+  for (const Mode mode : {Mode::user, Mode::remote})
+    for (const bool left : {true, false})
+      for (const std::uint16_t status : {0x40, 0x21}) {
+        SCOPED_TRACE(testing::Message() << (left ? "left, " : "right, ") << status);
+        ScriptedHoist hoist;
+        ASSERT_TRUE(hoist.start(mode));
+        const auto go_on = [&](int steps) { mode == Mode::user ? hoist.step(steps) : hoist.drive_for(steps, 0.8, 0.3); };
+        if (mode == Mode::user) hoist.lean_gently(6, 0);
+        go_on(100);
+        ASSERT_GT(hoist.command_m_s(), 0.05);
+        FakeDrive& drive = left ? hoist.drive_left : hoist.drive_right;
+        drive.status = status;
+        go_on(8);
+        EXPECT_TRUE(hoist.has_fault(left ? Fault::drive_left_fault : Fault::drive_right_fault));
+        EXPECT_FALSE(hoist.has_fault(Fault::gate_refused));
+        // The stop holds with both.
+        hoist.step(100);
+        EXPECT_EQ(hoist.state.mode, Mode::protective_stop);
+        EXPECT_EQ(drive.status, 0x27);
+        EXPECT_FALSE(hoist.has_fault(Fault::gate_refused));
+      }
+  // At rest it is led back before it is missed.
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::remote));
+  hoist.drive_right.status = 0x21;
+  hoist.step(20);
+  EXPECT_EQ(hoist.state.mode, Mode::remote);
+  EXPECT_EQ(hoist.drive_right.status, 0x27);
+}
+
 // A door sill blocks a wheel any number of times: the therapist frees it and continues.
 TEST(Recovery, H22AWheelBlockedByTheFloorNeverLeadsToFault) {
   for (const bool left : {true, false}) {

@@ -203,8 +203,9 @@ TEST(DriveFaultRule, H2EachStepOfTwoRandomDrivesIsJudgedByTheRule) {
       ASSERT_EQ(right.check(bench.view()), expected[1]);
       found += expected[0] || expected[1] ? 1 : 0;
       const bool run = wanted.step();
-      static_cast<void>(bench.left_control.step(*drives[0], run, false));
-      static_cast<void>(bench.right_control.step(*drives[1], run, false));
+      const Running running = run ? Running::begin : Running::off;
+      static_cast<void>(bench.left_control.step(*drives[0], running, false));
+      static_cast<void>(bench.right_control.step(*drives[1], running, false));
       for (std::size_t k = 0; k < 2; ++k) rules[k].note(*drives[k], words[k], run);
     }
   }

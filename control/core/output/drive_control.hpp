@@ -12,11 +12,15 @@ inline constexpr std::uint8_t kEnableTicksMax = 50, kResetTicksMax = 50;
 /// A drive that had been enabled and reports otherwise this often in a row has switched itself off.
 inline constexpr std::uint8_t kDroppedTicksMax = 5;
 
+/// What the mode wants of a drive. go_on: the hoist moves, so one that runs goes on, but one that dropped out is not led back: with a wheel that has
+/// slowed it would begin at full speed.
+enum class Running : std::uint8_t { off, go_on, begin };
+
 class DriveControl {
  public:
   /// `cut`: no voltage at all, whatever the drive does, because its own ramp is not trusted either.
-  [[nodiscard]] std::uint16_t step(const DriveSensor& drive, bool wanted, bool cut) noexcept {
-    watch(drive, wanted && !cut);
+  [[nodiscard]] std::uint16_t step(const DriveSensor& drive, Running wanted, bool cut) noexcept {
+    watch(drive, wanted != Running::off && !cut);
     ran_ = runs_;
     const std::uint16_t control = lead(drive, wanted, cut);
     runs_ = control == contract::canopen::drive::kEnable;
@@ -37,7 +41,7 @@ class DriveControl {
   }
 
  private:
-  [[nodiscard]] std::uint16_t lead(const DriveSensor& drive, bool wanted, bool cut) noexcept {
+  [[nodiscard]] std::uint16_t lead(const DriveSensor& drive, Running wanted, bool cut) noexcept {
     namespace cia402 = contract::canopen::drive;
     const cia402::State state = drive.state();
     if (reset_ticks_ > 0) {
@@ -58,10 +62,10 @@ class DriveControl {
       case cia402::State::switch_on_disabled:
         return cia402::kShutdown;
       case cia402::State::ready:
-        return wanted ? cia402::kSwitchOn : cia402::kShutdown;
+        return wanted == Running::begin ? cia402::kSwitchOn : cia402::kShutdown;
       case cia402::State::switched_on:
       case cia402::State::operation_enabled:
-        return wanted ? cia402::kEnable : cia402::kShutdown;
+        return wanted == Running::begin || (wanted == Running::go_on && ran_) ? cia402::kEnable : cia402::kShutdown;
     }
     return cia402::kDisableVoltage;
   }

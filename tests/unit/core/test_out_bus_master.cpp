@@ -84,9 +84,7 @@ struct Request {
   What what = What::product;
   int tries = 0;
   std::uint64_t sent_step = 0;
-  bool wrong = false;        // answered as no server may: asked again in the next step
-  bool in_segments = false;  // the server answers by segments
-  bool segment_due = false;
+  bool wrong = false;  // answered as no node does: asked again in the next step
 
   [[nodiscard]] std::uint32_t index() const { return what == What::value ? kValues[value].index : 0x1018; }
   [[nodiscard]] std::uint32_t sub() const {
@@ -121,23 +119,18 @@ struct MasterRule {
   bool reply(std::size_t n, const CanFrame& frame) {
     if (hands_off) return true;
     if (!asked || asked->node != n) return false;
-    if (asked->wrong || asked->segment_due) return false;
+    if (asked->wrong) return false;
     const unsigned command = frame.data[0], kind = command / 0x20;
     const bool names_it = frame.data[1] + 256U * frame.data[2] == asked->index() && frame.data[3] == asked->sub();
     const bool names_none = frame.data[1] == 0 && frame.data[2] == 0 && frame.data[3] == 0;
     if (frame.dlc != 8) return wrongly();
     if (command == 0x80) return (names_it || names_none) && refused();
     if (kind == 2 || kind == 3) {
-      if (!names_it || asked->in_segments) return false;
+      if (!names_it) return false;
       if (asked->what == What::value) return command == 0x60 ? written() : wrongly();
-      if (kind == 3) return wrongly();
-      if (command == 0x43) return told(word_of(frame));
-      if (command != 0x41 || word_of(frame) > 4) return wrongly();
-      asked->in_segments = asked->segment_due = true;
-      return false;
+      return command == 0x43 ? told(word_of(frame)) : wrongly();
     }
-    if (!asked->in_segments || command != 0x07) return wrongly();  // four bytes, the last
-    return told(contract::read_le(&frame.data[1], 4));
+    return wrongly();
   }
   bool wrongly() {
     asked->wrong = true;
@@ -274,17 +267,7 @@ struct MasterRule {
   // Three tries of 0.1 s each.
   void wait(const Params& params) {
     Request& now = *asked;
-    const std::uint32_t to = 0x600 + kIds[now.node];
-    if (now.segment_due) {
-      now.segment_due = false;
-      now.sent_step = step_number;
-      sent.push_back({to, 8, 0, {0x60}});
-      return;
-    }
-    if (!now.wrong) {
-      if (step_number - now.sent_step < 10) return;
-      if (now.in_segments) sent.push_back(sdo(to, 0x80, now.index(), now.sub(), 0x05040000));
-    }
+    if (!now.wrong && step_number - now.sent_step < 10) return;
     if (++now.tries < 3) return ask(params);
     nodes[now.node].rest();
     asked.reset();
@@ -292,7 +275,7 @@ struct MasterRule {
 
   void ask(const Params& params) {
     Request& now = *asked;
-    now.wrong = now.in_segments = now.segment_due = false;
+    now.wrong = false;
     now.sent_step = step_number;
     // The identity goes on with what is known by now.
     if (now.what == What::product || now.what == What::revision) now.what = nodes[now.node].product_known ? What::revision : What::product;
@@ -317,7 +300,6 @@ struct FakeNode {
   int refuses = -1;     // this value
   int odd_percent = 0;  // of its answers
   int beat_late = 0;    // steps
-  std::uint32_t segment_word = 0;
 };
 
 struct Reply {
@@ -441,15 +423,10 @@ struct Bench {
     FakeNode& node = nodes[n];
     const unsigned command = request.data[0];
     const std::uint32_t index = request.data[1] + 256U * request.data[2], sub = request.data[3], from = 0x580 + kIds[n];
-    if (command == 0x80) return;  // an abort has no answer
     CanFrame reply = sdo(from, 0x60, index, sub, 0);
     bool refuses = false;
-    if (command == 0x60) {
-      reply = CanFrame{from, 8, 0, {0x07}};
-      contract::write_le(&reply.data[1], 4, node.segment_word);
-    } else if (command == 0x40) {
+    if (command == 0x40) {
       const std::uint32_t word = sub == 2 ? node.product : sub == 3 ? node.revision : node.serial;
-      node.segment_word = word;
       refuses = sub == 4 && node.refuses_number;
       reply = sdo(from, 0x43, index, sub, word);
       if (odd(node)) reply = sdo(from, 0x41, index, sub, 4);

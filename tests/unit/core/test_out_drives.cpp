@@ -211,8 +211,8 @@ struct DriveRule {
   int resets_left = 0, missing_steps = 0;
   bool was_enabled = false, runs = false, ran = false;
 
-  std::uint16_t step(std::uint16_t status, bool lost, bool wanted, bool cut) {
-    if (!wanted || cut || lost) {
+  std::uint16_t step(std::uint16_t status, bool lost, Running wanted, bool cut) {
+    if (wanted == Running::off || cut || lost) {
       was_enabled = false;
       missing_steps = 0;
     } else if (status == 0x27) {
@@ -227,7 +227,7 @@ struct DriveRule {
     return control;
   }
 
-  std::uint16_t lead(std::uint16_t status, bool wanted, bool cut) {
+  std::uint16_t lead(std::uint16_t status, Running wanted, bool cut) {
     if (resets_left > 0) {
       // 50 steps at most, as long as the drive reports its fault; a rising edge every fourth step.
       --resets_left;
@@ -236,8 +236,16 @@ struct DriveRule {
     }
     if (cut || status == 0x08 || status == 0x0F) return 0x00;  // off, or at fault
     if (status == 0x07) return 0x02;                           // its quick stop is left to finish
-    if (!wanted || status == 0x00 || status == 0x40) return 0x06;
-    return status == 0x21 ? 0x07 : 0x0F;
+    if (status == 0x00 || status == 0x40) return 0x06;
+    switch (wanted) {
+      case Running::off:
+        return 0x06;
+      case Running::go_on:  // whatever is not running with the step before does not run in this motion
+        return ran && status != 0x21 ? 0x0F : 0x06;
+      case Running::begin:
+        return status == 0x21 ? 0x07 : 0x0F;
+    }
+    return 0x00;
   }
 
   [[nodiscard]] bool refuses(int start_steps, int dropped_steps) const {
@@ -255,17 +263,18 @@ TEST(OutDriveControl, H2EachStateHasItsControlwordAndADriveThatDoesNotRunIsSeen)
     DriveRule rule;
     Drive drive;
     DriveSensor sensor;
-    bool wanted = true, cut = false;
+    Running wanted = Running::begin;
+    bool cut = false;
     for (int i = 0, left = 0; i < 700; ++i) {
       if (left-- == 0) {
         drive = {.status = one_of(std::array<std::uint16_t, 10>{0x27, 0x27, 0x23, 0x21, 0x40, 0x00, 0x07, 0x0F, 0x08, 0x08}),
                  .age_steps = one_of(std::array{0, 0, 0, 4, 5})};
         sensor = drive.sensor();
         left = one_of(std::array{0, 1, 3, 4, 5, 48, 49, 50, 60});
-        wanted = random() % 4 != 0;
+        wanted = one_of(std::array{Running::off, Running::go_on, Running::begin, Running::begin});
         cut = random() % 8 == 0;
         if (seed % 30 == 0) {  // one that never does what it is asked to
-          wanted = true;
+          wanted = Running::begin;
           cut = false;
           left = 700;
           drive.status = 0x21;
