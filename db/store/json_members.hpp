@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -34,6 +35,13 @@ class Members {
     if (!(given >= least && given <= most))
       wrong(name, "must be a number from " + nlohmann::json(least).dump() + " to " + nlohmann::json(most).dump());
     return given;
+  }
+  /// `least` when there is no such number.
+  std::uint32_t whole(const char* name, std::uint32_t least, std::uint32_t most) {
+    const double given = number(name, least, most);
+    const bool is_whole = given >= least && given <= most && given == std::floor(given);
+    if (!is_whole) wrong(name, "must be a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+    return is_whole ? static_cast<std::uint32_t>(given) : least;
   }
   void words(const char* name) {
     Members both = inside(name);

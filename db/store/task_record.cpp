@@ -16,19 +16,19 @@ json task_json(const TaskRecord& r) {
 }
 
 std::optional<TaskRecord> read_task_record(const json& value) {
-  constexpr double kMost = 1e6;
+  constexpr std::uint32_t kMost = 1'000'000;
   constexpr std::size_t kNameMost = 64;
   std::string problem;
   Members of(value, "task.", problem);
   TaskRecord record;
   record.task = of.text("task");
-  record.version = static_cast<std::uint32_t>(of.number("version", 1, kMost));
+  record.version = of.whole("version", 1, kMost);
   const auto end = find_task_end(of.text("ends"));
   record.ends = end.value_or(TaskEnd::hand);
   record.goal = of.number("goal", 0, kMost);
   record.edge_m = of.number("edge_m", 0, kMost);
-  record.repetition = static_cast<std::uint32_t>(of.number("repetition", 1, kMost));
-  record.repetitions = static_cast<std::uint32_t>(of.number("repetitions", 1, kMost));
+  record.repetition = of.whole("repetition", 1, kMost);
+  record.repetitions = of.whole("repetitions", 1, kMost);
   record.rest_s = of.number("rest_s", 0, kMost);
   if (value.is_object() && value.contains("line")) record.line = of.text("line");
   of.end();

@@ -97,7 +97,7 @@ TaskInfo read_task(std::string_view text, std::string& problem) {
   task.text = text;
   Members members(file, "", problem);
   task.name = members.text("name");
-  task.version = static_cast<std::uint32_t>(members.number("version", 1, 1e6));
+  task.version = members.whole("version", 1, 1'000'000);
   members.words("title");
   members.words("instruction");
   const json& line = members.member("line");

@@ -109,6 +109,11 @@ TEST(Tasks, ARecordingSaysItsTaskAndRefusesWhatIsNone) {
   EXPECT_FALSE(check_exercise(R"({"shape":"free"})").ok()) << "free walking without a task is no exercise";
   EXPECT_FALSE(check_exercise(R"({"shape":"free","task":{"task":"turn_180"}})").ok());
   EXPECT_FALSE(check_exercise(R"({"shape":"circle","radius_m":1,"task":7})").ok());
+  for (const char* const no_count : {"1.5", "0", "1e300", "-1", "null"}) {
+    std::string wrong = stored;
+    wrong.replace(wrong.find("\"repetition\":1") + 13, 1, no_count);
+    EXPECT_FALSE(check_exercise(wrong).ok()) << no_count;
+  }
   EXPECT_TRUE(task_as_told(R"({"shape":"circle","radius_m":1})").is_null());
   EXPECT_TRUE(task_as_told(std::nullopt).is_null());
 }
