@@ -1,13 +1,14 @@
 # Two ways to compile less. clang-tidy looks at each source by itself (-DHOIST_JOIN=OFF), so each still includes what it uses.
 #   Several sources of a target are compiled as one: each would instantiate the same templates of Debian's packages again, which is half the time,
 #   and under the sanitizers more.
-#   With g++, headers that many sources of a target include are compiled once: the standard library's and those of Debian packages. Never a header
-#   of this tree, because a changed header must not rebuild everything. g++ 12 then gives some warnings about std::string falsely.
-option(HOIST_JOIN "several sources as one, and with g++ precompiled headers" ON)
-set(HOIST_PRECOMPILE OFF)
+#   Headers that many sources of a target include are compiled once: the standard library's and those of Debian packages. Never a header of this
+#   tree, because a changed header must not rebuild everything. g++ 12 then gives some warnings about std::string falsely.
+option(HOIST_JOIN "several sources as one, and precompiled headers" ON)
+# ccache asks for these.
 if(HOIST_JOIN AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  set(HOIST_PRECOMPILE ON)
-  add_compile_options(-fpch-preprocess)  # ccache asks for it
+  add_compile_options(-fpch-preprocess)
+elseif(HOIST_JOIN)
+  add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
 endif()
 # hoist_join(TARGET [ALONE FILES…]): FILES have private names that other sources of the target have, too. What replaces operator new is alone in
 # every target.
@@ -19,8 +20,10 @@ function(hoist_join target)
   endif()
 endfunction()
 function(hoist_precompile target)
-  if(HOIST_PRECOMPILE)
+  if(HOIST_JOIN)
     target_precompile_headers(${target} PRIVATE ${ARGN})
-    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+    endif()
   endif()
 endfunction()

@@ -38,8 +38,8 @@ void expect_nobody_accused(const ClosedLoop& loop) {
 
 class OneInAHundred : public testing::TestWithParam<std::tuple<Node, bool>> {};
 TEST_P(OneInAHundred, NamesTheRightNodeWithinTwoSecondsAndNoOtherInAMinute) {
-  const auto [node, through_gateway] = GetParam();
-  ClosedLoop loop(walk(1, through_gateway));
+  const Node node = std::get<0>(GetParam());
+  ClosedLoop loop(walk(1, std::get<1>(GetParam())));
   ASSERT_TRUE(loop.start(Mode::user));
   loop.run(3.0);
   for (std::size_t n = 0; n < contract::kRemoteNodeCount; ++n) ASSERT_EQ(lost(loop, static_cast<Node>(n)), 0U);

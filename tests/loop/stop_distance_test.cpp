@@ -55,7 +55,8 @@ bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double
     loop.run(0.2);
     const auto changes = 1 + random.next() % 4;
     for (std::uint64_t i = 0; i < changes; ++i) {
-      loop.hold_stick(random.uniform(-1.0, 1.0), random.next() % 2 == 0 ? 0.0 : random.uniform(-1.0, 1.0));
+      const double turn_norm = random.next() % 2 == 0 ? 0.0 : random.uniform(-1.0, 1.0);
+      loop.hold_stick(random.uniform(-1.0, 1.0), turn_norm);
       loop.run(random.uniform(0.1, 1.5));
     }
   } else {
