@@ -12,8 +12,8 @@ inline constexpr std::uint8_t kEnableTicksMax = 50, kResetTicksMax = 50;
 /// A drive that had been enabled and reports otherwise this often in a row has switched itself off.
 inline constexpr std::uint8_t kDroppedTicksMax = 5;
 
-/// What the mode wants of a drive. go_on: the hoist moves, so one that runs goes on, but one that dropped out is not led back: with a wheel that has
-/// slowed it would begin at full speed.
+/// What the mode wants of a drive. go_on: the hoist moves, so a drive that runs is told to run whatever its status says. On a line without a checksum
+/// one word may be damaged; led by it, this wheel would brake alone. A status that stays is an alarm (refuses_to_run), and the stop leads the drive.
 enum class Running : std::uint8_t { off, go_on, begin };
 
 class DriveControl {
@@ -51,6 +51,8 @@ class DriveControl {
       return reset_ticks_ % 4 == 0 ? cia402::kDisableVoltage : cia402::kFaultReset;
     }
     if (cut) return cia402::kDisableVoltage;
+    if (wanted == Running::go_on && state != cia402::State::fault && state != cia402::State::fault_reaction)
+      return ran_ ? cia402::kEnable : cia402::kShutdown;
     switch (state) {
       case cia402::State::quick_stop_active:
         // The drive is executing its quick stop. Do not send "disable voltage": the wheel would coast.
@@ -65,7 +67,7 @@ class DriveControl {
         return wanted == Running::begin ? cia402::kSwitchOn : cia402::kShutdown;
       case cia402::State::switched_on:
       case cia402::State::operation_enabled:
-        return wanted == Running::begin || (wanted == Running::go_on && ran_) ? cia402::kEnable : cia402::kShutdown;
+        return wanted == Running::begin ? cia402::kEnable : cia402::kShutdown;
     }
     return cia402::kDisableVoltage;
   }

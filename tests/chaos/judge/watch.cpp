@@ -136,7 +136,11 @@ void Watch::must_stop(std::string_view cause, double budget_s, double braking_m_
   if (core_runs_ && moves(mode_)) must_rest(cause, budget_s, braking_m_s2);
 }
 void Watch::must_rest(std::string_view cause, double budget_s, double braking_m_s2) {
-  must_stop_.push_back({cause, world_.time_s() + budget_s + reached_m_s(budget_s) / braking_m_s2 + kRollOut_s});
+  const Truth& truth = sampler_.now();
+  const double turn_rad_s = std::fabs(truth.wheel_m_s[1] - truth.wheel_m_s[0]) / world_.plant().params().track_width_m;
+  // A turn on the spot has a ramp of its own, softer at the wheels than a bumper's stop.
+  const double ramp_s = std::max(reached_m_s(budget_s) / braking_m_s2, turn_rad_s / params_.yaw_acceleration_rad_s2_max);
+  must_stop_.push_back({cause, world_.time_s() + budget_s + ramp_s + kRollOut_s});
 }
 
 // What speeds up follows a stop as late as everything else, and not before its budget is over, so it becomes faster first.

@@ -235,17 +235,11 @@ struct DriveRule {
       return resets_left % 4 == 0 ? 0x00 : 0x80;
     }
     if (cut || status == 0x08 || status == 0x0F) return 0x00;  // off, or at fault
-    if (status == 0x07) return 0x02;                           // its quick stop is left to finish
-    if (status == 0x00 || status == 0x40) return 0x06;
-    switch (wanted) {
-      case Running::off:
-        return 0x06;
-      case Running::go_on:  // whatever is not running with the step before does not run in this motion
-        return ran && status != 0x21 ? 0x0F : 0x06;
-      case Running::begin:
-        return status == 0x21 ? 0x07 : 0x0F;
-    }
-    return 0x00;
+    // In a motion nothing else that a drive says takes it out, and nothing brings it in.
+    if (wanted == Running::go_on) return ran ? 0x0F : 0x06;
+    if (status == 0x07) return 0x02;  // its quick stop is left to finish
+    if (wanted == Running::off || status == 0x00 || status == 0x40) return 0x06;
+    return status == 0x21 ? 0x07 : 0x0F;
   }
 
   [[nodiscard]] bool refuses(int start_steps, int dropped_steps) const {
