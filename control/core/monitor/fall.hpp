@@ -5,8 +5,8 @@
 // Sideways, where a lean asks for nothing, a quick one counts kAside_norm times.
 //
 // A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
-// braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
-// a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
+// braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and by kOwnChange_m_s since that
+// change began (less throws nobody, but ends each creeping motion), and for 0.3 s after, a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
 // then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
 // would not even be braked for: there the quick lean must go kThrownBack_rad farther.
 //
@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "control/core/base/mutation.hpp"
 #include "control/core/monitor/monitor.hpp"
@@ -64,7 +65,9 @@ class FallDetected {
   }
 
  private:
-  static constexpr double kOwn_m_s2 = 0.4;         // below every stop ramp, above what walking asks for
+  static constexpr double kOwn_m_s2 = 0.4;  // below every stop ramp, above what walking asks for
+  // A body of 75 kg on 300 N/m is thrown by 2 cm, 1.2 degrees.
+  static constexpr double kOwnChange_m_s = 0.04;
   static constexpr std::uint8_t kSwingTicks = 30;  // a quarter of a swing of 75 kg on 300 N/m, twice as long for heavier ones with legs
 
   // The tilt filter shows a sideways fall up to 20 ms later than one along the way: half a degree (simulated).
@@ -85,10 +88,11 @@ class FallDetected {
 
   void note_own_acceleration(const MonitorView& view) noexcept {
     const double command_m_s = (view.left_command_m_s + view.right_command_m_s) / 2;
-    const double own_m_s2 = (command_m_s - command_m_s_) / view.dt_s;
-    command_m_s_ = command_m_s;
-    if (std::fabs(own_m_s2) >= threshold<kFault, "own_acceleration", Laxer::lower>(kOwn_m_s2)) {
-      forward_ = own_m_s2 < 0;
+    const double step_m_s = command_m_s - std::exchange(command_m_s_, command_m_s);
+    change_m_s_ = step_m_s * change_m_s_ > 0 ? change_m_s_ + step_m_s : step_m_s;
+    if (std::fabs(step_m_s / view.dt_s) >= threshold<kFault, "own_acceleration", Laxer::lower>(kOwn_m_s2) &&
+        std::fabs(change_m_s_) >= threshold<kFault, "own_change", Laxer::lower>(kOwnChange_m_s)) {
+      forward_ = step_m_s < 0;
       swing_ticks_ = hold<kFault, "swing">(kSwingTicks);
     } else if (swing_ticks_ > 0) {
       --swing_ticks_;
@@ -100,6 +104,7 @@ class FallDetected {
   }
 
   double resting_s_ = 0, command_m_s_ = 0;
+  double change_m_s_ = 0;  // of the hoist's own speed, since it changes this way
   std::uint8_t swing_ticks_ = 0;
   bool forward_ = false, thrown_out_ = false;  // thrown_out_: the resting lean is still the one that the brake began
 };
