@@ -169,6 +169,9 @@ describe('the arrow of the wish', () => {
     expect(wishArrow(0, 0)).toBe('');
     expect(end(wishArrow(1, 0))[1]).toBeLessThan(-50);
     expect(end(wishArrow(-1, 0))[1]).toBeGreaterThan(50);
+    // Its tip is seen at full lean, too: the picture ends at -92 and 80.
+    expect(end(wishArrow(1, 0, -72))[1]).toBe(-8);
+    expect(end(wishArrow(-1, 0, 44))[1]).toBe(24);
     expect(end(wishArrow(0.5, 0.5))[0]).toBeLessThan(-10);
     expect(end(wishArrow(0.5, -0.5))[0]).toBeGreaterThan(10);
   });

@@ -5,10 +5,11 @@
 // Sideways, where a lean asks for nothing, a quick one counts kAside_norm times.
 //
 // A hoist that brakes or speeds up swings the body on its springs: m a / k, 7 degrees for 75 kg at 0.5 m/s2, 11 at 0.8. That is no fall, and
-// braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and by kOwnChange_m_s since that
-// change began (less throws nobody, but ends each creeping motion), and for 0.3 s after, a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
+// braking harder would only throw the body farther. So while the hoist itself changes its speed by kOwn_m_s2 or more, and for 0.3 s after,
+// a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
 // then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
-// would not even be braked for: there the quick lean must go kThrownBack_rad farther.
+// would not even be braked for: there the quick lean must go kThrownBack_rad farther. Less than kOwnChange_m_s since the change began throws no
+// body; the end of each creeping motion is that.
 //
 // On standby straps are fastened and struts moved by hand, so a lean alone is no fall. But a body in the stops pushes the hoist with more than its
 // brakes hold: 79 kg rolled it to 0.5 m/s within 6 s, 96 kg to 1.3 (simulated; brakes 178 N). A resting lean on wheels that turn faster than

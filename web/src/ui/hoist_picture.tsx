@@ -20,14 +20,14 @@ const wedge = (x: number, y: number, from_rad: number, to_rad: number, radius: n
   return `M${x} ${y}L${place(from_rad)}A${radius} ${radius} 0 0 1 ${place(to_rad)}Z`;
 };
 
-/** The intent as a bent arrow from the patient. */
-export function wishArrow(lean: number, turn: number): string {
+/** The intent as a bent arrow from the patient, who stands at `start`; its tip stays inside of the picture. */
+export function wishArrow(lean: number, turn: number, start = 0): string {
   if (Math.abs(lean) < 0.02 && Math.abs(turn) < 0.02) return '';
   const length = 20 + 62 * Math.abs(lean);
   const way = lean < -0.02 ? -1 : 1;
   const bend = -turn * 60; // a left turn bends to the left of the picture
-  const end = { x: bend, y: -way * length };
-  return `M0 0Q0 ${(-way * length * 0.6).toFixed(1)} ${end.x.toFixed(1)} ${end.y.toFixed(1)}`;
+  const end = { x: bend, y: Math.max(-80 - start, Math.min(68 - start, -way * length)) };
+  return `M0 0Q0 ${(end.y * 0.6).toFixed(1)} ${end.x.toFixed(1)} ${end.y.toFixed(1)}`;
 }
 
 function put(element: SVGElement | null, name: string, value: string): void {
@@ -58,9 +58,10 @@ export function HoistPicture() {
     const shift = -r.lean_norm * fullLean_px;
     put(e.patient ?? null, 'transform', `translate(0 ${n1(shift)}) rotate(${n1(-r.turn_norm * fullTurn_deg)})`);
     const dead = Math.abs(r.lean_norm) <= deadLean;
-    const arrow = wishArrow(dead ? 0 : r.lean_norm, r.turn_norm);
+    const start = shift - 14;
+    const arrow = wishArrow(dead ? 0 : r.lean_norm, r.turn_norm, start);
     put(e.arrow ?? null, 'd', arrow);
-    put(e.arrow ?? null, 'transform', `translate(0 ${n1(shift - 14)})`);
+    put(e.arrow ?? null, 'transform', `translate(0 ${n1(start)})`);
     put(e.arrow ?? null, 'visibility', arrow === '' ? 'hidden' : 'visible');
     // From behind: left is left, leaning right goes to the right.
     const l = tip(-44, 40, left.beta);
