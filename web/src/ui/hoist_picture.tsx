@@ -23,11 +23,10 @@ const wedge = (x: number, y: number, from_rad: number, to_rad: number, radius: n
 /** The intent as a bent arrow from the patient, who stands at `start`; its tip stays inside of the picture. */
 export function wishArrow(lean: number, turn: number, start = 0): string {
   if (Math.abs(lean) < 0.02 && Math.abs(turn) < 0.02) return '';
-  const length = 20 + 62 * Math.abs(lean);
-  const way = lean < -0.02 ? -1 : 1;
   const bend = -turn * 60; // a left turn bends to the left of the picture
-  const end = { x: bend, y: Math.max(-80 - start, Math.min(68 - start, -way * length)) };
-  return `M0 0Q0 ${(end.y * 0.6).toFixed(1)} ${end.x.toFixed(1)} ${end.y.toFixed(1)}`;
+  const ahead = (lean < -0.02 ? 20 : -20) - 62 * lean;
+  const end = Math.max(-80 - start, Math.min(68 - start, ahead));
+  return `M0 0Q0 ${n1(end * 0.6)} ${n1(bend)} ${n1(end)}`;
 }
 
 function put(element: SVGElement | null, name: string, value: string): void {
