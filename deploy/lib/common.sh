@@ -102,7 +102,7 @@ build_normal() {
 }
 
 # build_watched FOLDER CHECKS [targets...]: under sanitizers, with little or no optimisation and small debug information (cmake/warnings.cmake), by
-# clang where it is there: it compiles them in three fifths of g++'s time, and a second compiler sees other mistakes. Warnings are g++'s business.
+# clang where it is there: it compiles them in about half of g++'s time, and a second compiler sees other mistakes. Warnings are g++'s business.
 build_watched() {
   local folder=$1 checks=$2 compiler=()
   shift 2

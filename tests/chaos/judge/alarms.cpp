@@ -66,8 +66,8 @@ void Alarms::cleared(HoistFault fault, Mode before, const Truth& truth, bool lea
 }
 
 void Alarms::see_millisecond() {
-  // H11: what flows through a motor is limited, also into a wheel that is blocked. The limiter takes 5 ms; one that was stopped at once drew more for 8.
-  // A wheel that a body pushes faster than this generates more than the supply, and feeds it through the bridge's diodes.
+  // H11: what flows through a motor is limited, also into a wheel that is blocked. The limiter takes 5 ms; a wheel that was stopped at once drew
+  // more for 8. One that a body pushes faster than this generates more than the supply, and feeds it through the bridge's diodes.
   constexpr double kOver_norm = 1.25, kGenerates_m_s = 0.65;
   constexpr int kOver_ms = 12;
   const sim::Plant& plant = world_.plant();
