@@ -4,6 +4,8 @@ import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { basename, join } from 'node:path';
 
 const cases = []; // { status: 'passed' | 'failed' | 'skipped', name, reason }
+// A skip without a reason is a failure.
+const add = (one) => cases.push(one.status === 'skipped' && !one.reason ? { ...one, status: 'failed', reason: 'skipped without a reason' } : one);
 
 const entities = { lt: '<', gt: '>', amp: '&', quot: '"', apos: "'" };
 const unescape = (text) =>
@@ -37,9 +39,7 @@ const printedReason = (body) => /^skipped: (.+)$/m.exec(unescape(/<system-out>([
 function readCase(tag, body, name) {
   if (attribute(tag, 'status') === 'notrun') return { status: 'skipped', name, reason: 'disabled in its source' };
   if (attribute(tag, 'result') === 'skipped' || body.includes('<skipped')) {
-    // A skip without a reason is a failure.
-    const reason = skipReason(body);
-    return reason === '' ? { status: 'failed', name, reason: 'skipped without a reason' } : { status: 'skipped', name, reason };
+    return { status: 'skipped', name, reason: skipReason(body) };
   }
   return { status: body.includes('<failure') ? 'failed' : 'passed', name, reason: '' };
 }
@@ -63,7 +63,7 @@ function countGoogleTest(files, prefix) {
       else if (worst.indexOf(one.status) > worst.indexOf(before.one.status)) before.one = one;
     }
   }
-  cases.push(...found.map(({ one }) => one));
+  for (const { one } of found) add(one);
   return found.length === 0 ? undefined : found.filter(({ one }) => one.status === 'failed').length;
 }
 
@@ -92,14 +92,14 @@ function countCtest(folder, prefix) {
     const failed = status === 'fail' || body.includes('<failure');
     // Of a program run in parts (tests/support/part.sh) each leaves a report of its own.
     const reported = failures.has(program) && names.includes(test);
-    const add = (status, reason) => cases.push({ status, name: `${prefix}${test}`, reason });
-    if (failed && !reported) add('failed', 'ended without a report: it crashed, hung or could not start');
-    else if (failed && failures.get(program) === 0) add('failed', 'every case passed, but the program ended badly');
+    const tell = (status, reason) => add({ status, name: `${prefix}${test}`, reason });
+    if (failed && !reported) tell('failed', 'ended without a report: it crashed, hung or could not start');
+    else if (failed && failures.get(program) === 0) tell('failed', 'every case passed, but the program ended badly');
     else if (!reported && (status === 'disabled' || skipMessage(body).startsWith('SKIP_')))
-      add('skipped', printedReason(body) ?? (skipMessage(body) || status));
+      tell('skipped', printedReason(body) ?? (status === 'disabled' ? 'disabled in its CMake list' : ''));
     // Neither run nor skipped: its program was not built, or a dependency failed.
-    else if (!reported && status === 'notrun') add('failed', skipMessage(body) || 'could not be run');
-    else if (!reported) add('passed', '');
+    else if (!reported && status === 'notrun') tell('failed', skipMessage(body) || 'could not be run');
+    else if (!reported) tell('passed', '');
   }
 }
 
@@ -107,17 +107,17 @@ function countVitest(file) {
   for (const suite of JSON.parse(readFileSync(file, 'utf8')).testResults) {
     const where = suite.name.split('/web/').pop();
     if (suite.assertionResults.length === 0 && suite.status === 'failed')
-      cases.push({ status: 'failed', name: `web: ${where}`, reason: suite.message ?? 'could not be loaded' });
+      add({ status: 'failed', name: `web: ${where}`, reason: suite.message ?? 'could not be loaded' });
     for (const one of suite.assertionResults) {
       const status = one.status === 'passed' || one.status === 'failed' ? one.status : 'skipped';
-      cases.push({ status, name: `web: ${where}: ${one.fullName}`, reason: status === 'skipped' ? `marked ${one.status} in its source` : '' });
+      add({ status, name: `web: ${where}: ${one.fullName}`, reason: status === 'skipped' ? `marked ${one.status} in its source` : '' });
     }
   }
 }
 
 function countBrowser(file) {
   for (const one of JSON.parse(readFileSync(file, 'utf8')).tests)
-    cases.push({ status: one.status, name: `e2e: ${one.name}`, reason: one.reason ?? '' });
+    add({ status: one.status, name: `e2e: ${one.name}`, reason: one.reason ?? '' });
 }
 
 for (const folder of process.argv.slice(2)) {
@@ -128,7 +128,7 @@ for (const folder of process.argv.slice(2)) {
   read('e2e.json', countBrowser);
   for (const line of readFileSync(join(folder, 'steps.tsv'), 'utf8').split('\n').filter(Boolean)) {
     const [status, name, reason] = line.split('\t');
-    cases.push({ status, name, reason: reason ?? '' });
+    add({ status, name, reason: reason ?? '' });
   }
 }
 

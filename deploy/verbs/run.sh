@@ -4,7 +4,7 @@
 # Simulator and control run in lock-step: a busy computer slows simulated time, which the screen shows, and stops no walk.
 # The server prints the console's address (with a one-time token) when it is ready. A program that dies is started again.
 # options: --port PORT       the console's port (default 8080)
-#          --scenario NAME   what the simulator plays (build/bin/hoist-sim --help lists them; default "figure-eight")
+#          --scenario NAME   what the simulator plays (build/bin/hoist-sim --list names them; default "figure-eight")
 #          --patient NAME    who walks in the simulator (the same list; default a patient of an even walk)
 #          --state DIR       sockets and the simulated bus (default: a folder of this user and port under $XDG_RUNTIME_DIR or /tmp)
 #          --data DIR        parameters and the database (default build/run-data)
@@ -32,9 +32,10 @@ if [[ ! $port =~ ^[0-9]{1,5}$ ]] || [ "$port" -lt 1 ] || [ "$port" -gt 65535 ]; 
 [[ $scenario =~ ^[A-Za-z0-9_-]+$ ]] || die "--scenario is a name of letters, digits, - and _, not '$scenario'"
 [[ $patient =~ ^[A-Za-z0-9_-]*$ ]] || die "--patient is a name of letters, digits, - and _, not '$patient'"
 
-setup_and_build build -- hoist-sim hoist-control hoist-server
+# `hoist` runs the studies that the console offers.
+setup_and_build build -- hoist hoist-sim hoist-control hoist-server
 build_web
-for program in hoist-sim hoist-control hoist-server; do
+for program in hoist hoist-sim hoist-control hoist-server; do
   [ -x "build/bin/$program" ] || not_here_yet run "build/bin/$program is not in this tree"
 done
 

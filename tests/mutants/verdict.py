@@ -56,37 +56,43 @@ if wanted.sample is not None:
     mutants = random.Random(wanted.seed).sample(mutants, min(wanted.sample, len(mutants)))
 
 options = ['--gtest_brief=1', '--gtest_fail_fast', '--gtest_catch_exceptions=0']
-# Far more than any test needs: a mutant that makes a test hang is noticed by this.
-LIMIT_S = 300
 QUICK_MS, LONGEST_MS = 30, 1000
+# All tests together take a minute or two.
+WHOLE_LIMIT_S = 900
 
 
-def run(environment, *more):
+def run(environment, limit_s, *more):
     try:
         return subprocess.run([wanted.program, *options, *more], env={**os.environ, **environment}, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, timeout=LIMIT_S, check=False).returncode
+                              stderr=subprocess.DEVNULL, timeout=limit_s, check=False).returncode
     except subprocess.TimeoutExpired:
         return None
 
 
-# For each mutant: its quick tests, and the longer ones.
+# For each mutant: its quick tests, and the longer ones, each with its milliseconds.
 tests_of = collections.defaultdict(lambda: ([], []))
 jobs = os.cpu_count()
 with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(jobs) as pool:
     maps = [pathlib.Path(folder) / str(shard) for shard in range(jobs)]
     ended = pool.map(
-        lambda shard: run({'HOIST_MUTANT_MAP': str(maps[shard]), 'GTEST_TOTAL_SHARDS': str(jobs), 'GTEST_SHARD_INDEX': str(shard)}), range(jobs))
+        lambda shard: run({'HOIST_MUTANT_MAP': str(maps[shard]), 'GTEST_TOTAL_SHARDS': str(jobs), 'GTEST_SHARD_INDEX': str(shard)}, WHOLE_LIMIT_S),
+        range(jobs))
     if any(code != 0 for code in ended):
         sys.exit('the tests fail without a mutant')
     for row in itertools.chain.from_iterable(places.read_text().splitlines() for places in maps):
         test, taken_ms, numbers = row.split('\t')
         if int(taken_ms) <= LONGEST_MS:
             for number in numbers.split():
-                tests_of[number][int(taken_ms) > QUICK_MS].append(test)
+                tests_of[number][int(taken_ms) > QUICK_MS].append((test, int(taken_ms)))
 
 
 def noticed(mutant):
-    return any(tests and run({'HOIST_MUTANT': mutant.number}, '--gtest_filter=' + ':'.join(tests)) != 0 for tests in tests_of[mutant.number])
+    def fails(tests):
+        # Twenty times what they take, and more: a mutant that makes a test hang is noticed by this.
+        limit_s = 20 + 20 * sum(ms for _, ms in tests) / 1000
+        return run({'HOIST_MUTANT': mutant.number}, limit_s, '--gtest_filter=' + ':'.join(test for test, _ in tests)) != 0
+
+    return any(tests and fails(tests) for tests in tests_of[mutant.number])
 
 
 tried, unseen, failed = collections.Counter(), collections.Counter(), len(gone)

@@ -153,6 +153,13 @@ TEST_F(Tally, ASkipNeedsAReason) {
       "test_x",
       kPassed + R"(<testcase name="b" status="run" result="skipped" classname="S"><skipped message="f.cpp:2&#x0A;"></skipped></testcase>)");
   EXPECT_EQ(count().last_line(), "1 passed, 1 failed, 0 skipped");
+  // Also of the browser tests, of a static check, and of a program that skips itself.
+  write_program("test_x", kPassed);
+  write_ctest(
+      R"(<testcase name="test_x" status="run"></testcase><testcase name="model" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/></testcase>)");
+  write("e2e.json", R"({"tests":[{"name":"drives","status":"skipped"}]})");
+  write("steps.tsv", "skipped\tlint\t\n");
+  EXPECT_EQ(count().last_line(), "1 passed, 3 failed, 0 skipped");
 }
 
 TEST_F(Tally, ConsoleBrowserAndStaticChecksCountToo) {
