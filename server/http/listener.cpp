@@ -132,7 +132,7 @@ std::string head_of(const Response& response, bool keep, bool chunked, std::opti
   // A page with a policy of its own (a report) has none of the console's: two would both have to allow its style.
   if (std::ranges::none_of(response.headers, [](const auto& header) { return header.first == "Content-Security-Policy"; }))
     head.append(
-        "Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; object-src 'none'; base-uri 'none'; "
+        "Content-Security-Policy: default-src 'self'; connect-src 'self'; object-src 'none'; base-uri 'none'; "
         "form-action 'self'; frame-ancestors 'none'\r\n");
   head.append(
       "X-Content-Type-Options: nosniff\r\n"
