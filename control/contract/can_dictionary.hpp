@@ -21,6 +21,7 @@ namespace hoist::contract {
 #define HOIST_PDO_ENTRY(...)
 #define HOIST_PDO_OFF(...)
 #define HOIST_PDO_ON_CHANGE(...)
+#define HOIST_KEPT(...)
 #define HOIST_TEXT(...)
 
 enum class Node : std::uint8_t {
@@ -332,6 +333,14 @@ constexpr const ObjectInfo* find_object(NodeKind kind, std::uint16_t index, std:
   return row < kObjects.size() ? &kObjects[row] : nullptr;
 }
 
+// Objects that hold their default in every node that the core has started.
+inline constexpr std::array kKeptObjects{
+#undef HOIST_KEPT
+#define HOIST_KEPT(kind, index, sub) find_object(NodeKind::kind, index, sub),
+#include "control/contract/can_dictionary.def"
+#undef HOIST_KEPT
+};
+
 #undef HOIST_NODE
 #undef HOIST_OBJECT
 #undef HOIST_PDO
@@ -378,6 +387,21 @@ constexpr std::uint32_t read_le(const std::uint8_t* at, std::size_t bytes) {
 }
 constexpr void write_le(std::uint8_t* at, std::size_t bytes, std::uint32_t value) {
   for (std::size_t i = 0; i < bytes; ++i) at[i] = static_cast<std::uint8_t>(value >> (8 * i));
+}
+// The raw word of a value of the table. Types below 32 bits are zero extended, so that two equal values have equal words.
+constexpr std::uint32_t raw_word(ObjectType type, double value) {
+  switch (type) {
+    case ObjectType::f32:
+      return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+    case ObjectType::i8:
+      return static_cast<std::uint8_t>(static_cast<std::int8_t>(value));
+    case ObjectType::i16:
+      return static_cast<std::uint16_t>(static_cast<std::int16_t>(value));
+    case ObjectType::i32:
+      return static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
+    default:
+      return static_cast<std::uint32_t>(value);
+  }
 }
 // The word that travels for a parameter's value, and back: rounded where its object is an integer.
 constexpr std::uint32_t param_word(const ParamObject& object, double value) {
@@ -485,6 +509,7 @@ inline constexpr std::uint8_t kSdoUploadRequest = 0x40, kSdoDownloadReply = 0x60
 
 // CiA 402.
 namespace drive {
+inline constexpr float kOverVoltageFold_v = 2.0F;  // so far below 2231h:1 a drive begins to brake less
 inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnable = 0x0F, kDisableVoltage = 0x00, kQuickStop = 0x02,
                                kFaultReset = 0x80;
 enum class State : std::uint8_t {
@@ -532,5 +557,8 @@ static_assert(all_rows(kParamObjects,
                          return row < kObjects.size() && object_bytes(kObjects[row].type) == 4 && kObjects[row].access == Access::rw;
                        }),
               "params.def: a parameter's object does not exist or is not a writable value of 32 bits");
+static_assert(all_rows(kKeptObjects,
+                       [](const ObjectInfo* o) { return o != nullptr && is_stored(*o) && !is_node_relative(o->index, o->sub); }),
+              "can_dictionary.def: a kept object does not exist, is no parameter of its node, or differs from node to node");
 
 }  // namespace hoist::contract

@@ -13,6 +13,7 @@
 namespace hoist::firmware {
 
 using contract::ObjectType;
+using contract::raw_word;
 
 // Bounds and default are raw words of the object's type, as in an SDO.
 struct ObjectRow {
@@ -23,22 +24,6 @@ struct ObjectRow {
   bool stored;  // a parameter that 1010h stores
   std::uint32_t low, high, initial;
 };
-
-// The raw word of a value of the table. Types below 32 bit are zero extended, so that two equal values have equal words.
-consteval std::uint32_t raw_word(ObjectType type, double value) {
-  switch (type) {
-    case ObjectType::f32:
-      return std::bit_cast<std::uint32_t>(static_cast<float>(value));
-    case ObjectType::i8:
-      return static_cast<std::uint8_t>(static_cast<std::int8_t>(value));
-    case ObjectType::i16:
-      return static_cast<std::uint16_t>(static_cast<std::int16_t>(value));
-    case ObjectType::i32:
-      return static_cast<std::uint32_t>(static_cast<std::int32_t>(value));
-    default:
-      return static_cast<std::uint32_t>(value);
-  }
-}
 
 template <contract::NodeKind kKind>
 consteval std::size_t object_count() {

@@ -14,8 +14,8 @@ constexpr std::array kTilts{Node::tilt_left, Node::tilt_right, Node::tilt_base};
 constexpr std::array kDrives{Node::drive_left, Node::drive_right};
 constexpr std::array kNodes{Node::drive_left, Node::drive_right, Node::io, Node::tilt_left, Node::tilt_right, Node::tilt_base};
 constexpr std::array<std::string_view, 6> kNodeNames{"drive_left", "drive_right", "io", "tilt_left", "tilt_right", "tilt_base"};
-constexpr std::uint64_t kPlanStream = 1, kLaterStream = 12, kPartStream = 13, kMomentStream = 21;
-constexpr double kLaterShare = 0.4, kPartShare = 0.35, kMomentShare = 0.35;  // of the sessions
+constexpr std::uint64_t kPlanStream = 1, kLaterStream = 12, kPartStream = 13, kMomentStream = 21, kSlowStream = 23;
+constexpr double kLaterShare = 0.4, kPartShare = 0.35, kMomentShare = 0.35, kSlowShare = 0.1;  // of the sessions
 // Falls to the side are rare among all kinds, and each has its own angle to what the hoist does: some more, by a stream of their own.
 constexpr std::uint64_t kFallStream = 16;
 constexpr double kFallShare = 0.08;
@@ -74,11 +74,17 @@ Fault draw_fall(Dice& dice, double length_s) {
 }  // namespace
 
 std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bool outside_only) {
-  Dice dice(seed, kPlanStream), later_dice(seed, kLaterStream), part_dice(seed, kPartStream), moment_dice(seed, kMomentStream);
-  std::vector<Kind> kinds, later, parts, moments;
+  Dice dice(seed, kPlanStream), later_dice(seed, kLaterStream), part_dice(seed, kPartStream), moment_dice(seed, kMomentStream),
+      slow_dice(seed, kSlowStream);
+  std::vector<Kind> kinds, later, parts, moments, slow;
   for (const KindInfo& kind : kKinds) {
     if (outside_only && !kind.outside) continue;
-    (kind.kind < kFirstLater ? kinds : kind.kind < kFirstPart ? later : kind.kind < kFirstMoment ? parts : moments).push_back(kind.kind);
+    (kind.kind < kFirstLater    ? kinds
+     : kind.kind < kFirstPart   ? later
+     : kind.kind < kFirstMoment ? parts
+     : kind.kind < kFirstSlow   ? moments
+                                : slow)
+        .push_back(kind.kind);
   }
   std::vector<Fault> faults;
   const int count = most <= 0 ? 0 : dice.below(most + 1);
@@ -93,6 +99,11 @@ std::vector<Fault> plan_faults(std::uint64_t seed, int most, double length_s, bo
     Fault fault = draw(moment_dice, moments, length_s);
     const double waits_s = moment_dice.between(0.0, 75.0);
     if (fault.kind != Kind::mute_core) fault.end_s = rounded(fault.end_s + waits_s);
+    faults.push_back(fault);
+  }
+  if (most > 0 && !slow.empty() && slow_dice.chance(kSlowShare)) {
+    Fault fault = draw(slow_dice, slow, length_s);
+    fault.end_s = rounded(fault.end_s + slow_dice.between(5.0, 60.0));
     faults.push_back(fault);
   }
   if (Dice fall_dice(seed, kFallStream); most > 0 && !outside_only && fall_dice.chance(kFallShare))

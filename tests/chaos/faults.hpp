@@ -85,6 +85,7 @@ enum class Kind : std::uint8_t {
   other_console,
   held_before,
   tuned_twice,
+  supply_rises,
   count
 };
 
@@ -171,6 +172,7 @@ inline constexpr std::array kKinds{
     KindInfo{Kind::other_console, "other_console", Target::nothing, true, false},
     KindInfo{Kind::held_before, "held_before", Target::nothing, true, false},
     KindInfo{Kind::tuned_twice, "tuned_twice", Target::nothing, false, false},
+    KindInfo{Kind::supply_rises, "supply_rises", Target::nothing, false, false},
 };
 constexpr const KindInfo& info(Kind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 static_assert([] {
@@ -192,6 +194,8 @@ inline constexpr Kind kFirstLater = Kind::fall_aside;
 inline constexpr Kind kFirstPart = Kind::sill;
 /// And from here on from a fourth one; they wait for the moment in which they matter (moments.hpp), up to a minute and a half.
 inline constexpr Kind kFirstMoment = Kind::touch_in_stop;
+/// And from here on from a fifth one; they build up for up to a minute.
+inline constexpr Kind kFirstSlow = Kind::supply_rises;
 
 /// Up to `most` faults of one session, by its seed, and one more of each later group of kinds. `outside_only`: only faults that must not affect
 /// walking that a patient leads.

@@ -242,6 +242,7 @@ class Session {
         return 3;
       case Kind::battery:
       case Kind::battery_full:
+      case Kind::supply_rises:
         return 4;
       case Kind::bridge_shorted:
       case Kind::bridges_shorted:
@@ -355,6 +356,9 @@ class Session {
         // What braking gives back to a battery that takes no more, or a charger that fails: 32.6 to 36 V; the drives bear 32. From 30 V on they
         // brake less, see README.md.
         world.plant().force_battery(on ? std::optional<double>(32.6 + 3.4 * f.size) : std::nullopt);
+        break;
+      case Kind::supply_rises:
+        world.plant().force_battery(on ? std::optional<double>(28.0) : std::nullopt);
         break;
       case Kind::bridges_shorted:
         for (const sim::Side wheel : {sim::Side::left, sim::Side::right})
@@ -530,6 +534,12 @@ class Session {
         const double most_n = 30.0 + 120.0 * f.size, most_n_m = 10.0 + 30.0 * f.size;
         world.plant().set_shove(std::clamp(-3000.0 * at.speed_m_s, -most_n, most_n),
                                 std::clamp(-400.0 * at.yaw_rate_rad_s, -most_n_m, most_n_m));
+        break;
+      }
+      case Kind::supply_rises: {
+        // Half a volt a second, to 29.9 to 32.3 V: a charger that fails. From 30 V on the drives brake less.
+        const double now_v = world.plant().battery_v(0) + world.plant().battery_v(1);
+        world.plant().force_battery(std::min(now_v + 0.5 * core::kTick_s, 29.9 + 2.4 * f.size));
         break;
       }
       case Kind::core_late:

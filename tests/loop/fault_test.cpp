@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -311,6 +312,27 @@ TEST(Faults, H5_ADeadComputerIsStoppedByTheDrivesAlone) {
   EXPECT_LT(world.plant().platform().x_m - begin_m, from_m_s * 0.06 + from_m_s * from_m_s / 2.0 + 0.05);
   for (int ms = 0; ms < 600; ++ms) world.advance_1ms();
   EXPECT_FALSE(world.drives_enabled());
+}
+
+// An engineer's tool has set both drives' stop ramp to the slowest that they take (0.17 m/s2), and the overvoltage to one at which a charged battery lets
+// nothing brake. The distance that is shown, and what catches a dead computer, take the dictionary's.
+TEST(Faults, H5_ADriveWhoseStopWasChangedHasItPutRightBeforeItsNextStart) {
+  Walk walk;
+  ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::standby; }, 10.0));
+  for (const std::uint32_t drive : {0x601U, 0x602U}) {
+    constexpr auto kWrite = contract::canopen::sdo_download_command(4);
+    ASSERT_TRUE(walk.loop.world().foreign_send(contract::canopen::sdo(drive, kWrite, 0x6085, 0, 50)));
+    walk.loop.run(0.05);
+    ASSERT_TRUE(walk.loop.world().foreign_send(contract::canopen::sdo(drive, kWrite, 0x2231, 1, std::bit_cast<std::uint32_t>(29.5F))));
+    walk.loop.run(0.05);
+  }
+  walk.loop.restart_core();
+  ASSERT_TRUE(walk.set_off());
+  const double from_m_s = walk.speed_m_s(), begin_m = walk.loop.world().plant().platform().x_m;
+  walk.loop.kill_core();
+  for (int ms = 1; ms <= 900; ++ms) walk.loop.world().advance_1ms();
+  EXPECT_NEAR(walk.speed_m_s(), 0.0, 0.005);
+  EXPECT_LT(walk.loop.world().plant().platform().x_m - begin_m, from_m_s * 0.06 + from_m_s * from_m_s / 2.0 + 0.05);
 }
 
 TEST(Faults, H23_WithoutACoreTheMotorsLoseTheirSupplyAfterTheyHaveStopped) {

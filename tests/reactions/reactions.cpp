@@ -145,6 +145,8 @@ const std::vector<Row>& table() {
        }},
       {"H12", "the batteries break down", "soft stop", bit(Fault::battery_empty), budget(Fault::battery_empty), Mode::user, "straight",
        Begin::command, [](ClosedLoop& l) { l.world().plant().force_battery(21.0); }, nullptr},
+      {"H12", "the supply jumps to 31 V, where the drives brake half", "soft stop", bit(Fault::supply_high), budget(Fault::supply_high),
+       Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().force_battery(31.0); }, nullptr},
       {"H13", "the front bumper is pressed", "stop at 1.5 m/s²", bit(Fault::bumper_pressed), budget(Fault::bumper_pressed), Mode::user,
        "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().force_bumper(0, true); }, nullptr},
       {"H14", "the input node is unplugged", "protective stop", bit(Fault::io_lost), budget(Fault::io_lost), Mode::user, "straight",
@@ -171,8 +173,8 @@ const std::vector<Row>& table() {
       {"H22", "a step is 35 ms late", "protective stop", bit(Fault::loop_overrun), budget(Fault::loop_overrun), Mode::user, "straight",
        Begin::command, [](ClosedLoop& l) { l.be_late(0.035); }, nullptr},
       // By the sensor's own check, or before it because the struts lean apart.
-      {"H8", "a strut's gyroscope loses its zero", "protective stop", bit(Fault::tilt_sensor_fault) | bit(Fault::tilt_implausible), 1000,
-       Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().jump_gyro_bias(sim::Place::left_strut, 0.35); },
+      {"H8", "a strut's gyroscope loses its zero by 20°/s", "protective stop", bit(Fault::tilt_sensor_fault) | bit(Fault::tilt_implausible),
+       1000, Mode::user, "straight", Begin::command, [](ClosedLoop& l) { l.world().plant().jump_gyro_bias(sim::Place::left_strut, 0.35); },
        nullptr},
       // The winding is warm after power-on and stays so here; then its limit is lowered below that.
       {"H11", "a motor's winding is over its limit", "the drive, then protective stop", bit(Fault::drive_left_fault),

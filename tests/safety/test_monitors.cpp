@@ -417,6 +417,33 @@ TEST(Monitors, H12BatteryWarnsThenStopsGentlyAndBlocksTheStart) {
   EXPECT_NE(hoist.ask_mode(Mode::user), 0U);
 }
 
+// A failed charger: from 30 V on the drives brake less.
+TEST(Monitors, H12ASupplyAtWhichTheBrakesGrowWeakStopsGentlyAndBlocksTheStart) {
+  EXPECT_EQ(contract::fault_info(Fault::supply_high).hazard(), "H12");
+  ScriptedHoist hoist;
+  set_going(hoist, Mode::user);
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 14.7;  // on a charger, in the cold
+  hoist.step(500);
+  EXPECT_EQ(hoist.state.mode, Mode::user);
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 14.95;
+  hoist.worst_deceleration_m_s2 = 0;
+  int ticks = 0;
+  while (!hoist.state.in_mode.leaving && ticks < 300) {
+    hoist.step();
+    ++ticks;
+  }
+  EXPECT_LE(ticks, 200);
+  EXPECT_TRUE(hoist.reach(Mode::standby, 300));
+  EXPECT_LE(hoist.worst_deceleration_m_s2, 0.5 + 1e-9);
+  hoist.lean(0);
+  hoist.step(120);
+  EXPECT_NE(hoist.ask_mode(Mode::user), 0U);
+  hoist.io.battery_a_v = hoist.io.battery_b_v = 14.2;
+  hoist.step(300);
+  EXPECT_FALSE(hoist.has_fault(Fault::supply_high)) << "it ends with its cause";
+  EXPECT_EQ(hoist.ask_mode(Mode::user), 0U);
+}
+
 // H12: the filter's second, exactly.
 TEST(Monitors, H12ADeepSagIsFoundInASecond) {
   ScriptedHoist hoist;
@@ -916,7 +943,7 @@ TEST(Monitors, EveryFaultOfTheTableIsTestedHereOrNamed) {
   for (const Fault fault :
        {Fault::fall_detected, Fault::remote_command_lost, Fault::server_lost, Fault::battery_low, Fault::battery_empty, Fault::stop_pressed,
         Fault::gate_refused, Fault::wheel_slip, Fault::battery_uneven, Fault::base_tilt_high, Fault::patient_hanging, Fault::emergency_stop,
-        Fault::parameters_corrupt, Fault::control_fault, Fault::console_lost})
+        Fault::parameters_corrupt, Fault::control_fault, Fault::console_lost, Fault::supply_high})
     covered |= contract::fault_bit(fault);
   for (const auto& fault : contract::kFaults) EXPECT_NE(covered & contract::fault_bit(fault), 0U) << fault.name;
 }

@@ -275,7 +275,7 @@ TEST(EmergencyStopRule, EachStepOfARandomChainIsJudgedByTheRule) {
   EXPECT_GT(unpowered, 300);
 }
 
-// ----- battery_low, battery_empty, battery_uneven
+// ----- battery_low, battery_empty, battery_uneven, supply_high
 
 // The voltage over one second, and a limit that moves when the alarm is on.
 class BatteryRule {
@@ -292,17 +292,19 @@ class BatteryRule {
 };
 
 TEST(BatteryRule, H12EachStepOfTwoRandomBatteriesIsJudgedByTheRule) {
-  int low_steps = 0, empty_steps = 0, uneven_steps = 0;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+  int low_steps = 0, empty_steps = 0, uneven_steps = 0, high_steps = 0;
+  for (unsigned seed = 1; seed <= 18; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
     MonitorBench bench;
     BatteryBelow<Fault::battery_low, &contract::Params::battery_low_v> low;
     BatteryBelow<Fault::battery_empty, &contract::Params::battery_empty_v> empty;
     BatteryUneven uneven;
+    SupplyHigh high;
     BatteryRule sum, difference;
-    bool is_low = false, is_empty = false, is_uneven = false;
-    Spells<double> sum_v(random, 300, {25.6, 23.2, 22.9, 22.15, 21.8, 20}), apart_v(random, 300, {0, 0.45, 0.47, 0.6, -0.6, 1, -1.5});
+    bool is_low = false, is_empty = false, is_uneven = false, is_high = false;
+    Spells<double> sum_v(random, 300, {25.6, 23.2, 22.9, 22.15, 21.8, 20, 29.35, 29.65, 31}),
+        apart_v(random, 300, {0, 0.45, 0.47, 0.6, -0.6, 1, -1.5});
     for (int i = 0; i < 2000; ++i) {
       SCOPED_TRACE(i);
       const double together_v = sum_v.step(), between_v = apart_v.step();
@@ -315,19 +317,23 @@ TEST(BatteryRule, H12EachStepOfTwoRandomBatteriesIsJudgedByTheRule) {
         const double smooth_v = sum.smoothed_v(a_v + b_v), smooth_apart_v = std::fabs(difference.smoothed_v(a_v - b_v));
         is_low = smooth_v < (is_low ? 23.3 : 23.0);
         is_empty = smooth_v < (is_empty ? 22.3 : 22.0);
+        is_high = smooth_v > (is_high ? 29.2 : 29.5);
         is_uneven = smooth_apart_v > (is_uneven ? 0.4 : 0.5);
       }
       ASSERT_EQ(low.check(bench.view()), known && is_low);
       ASSERT_EQ(empty.check(bench.view()), known && is_empty);
       ASSERT_EQ(uneven.check(bench.view()), known && is_uneven);
+      ASSERT_EQ(high.check(bench.view()), known && is_high);
       low_steps += is_low ? 1 : 0;
       empty_steps += is_empty ? 1 : 0;
       uneven_steps += is_uneven ? 1 : 0;
+      high_steps += is_high ? 1 : 0;
     }
   }
   EXPECT_GT(low_steps, 1000);
   EXPECT_GT(empty_steps, 1000);
   EXPECT_GT(uneven_steps, 1000);
+  EXPECT_GT(high_steps, 1000);
 }
 
 }  // namespace

@@ -24,6 +24,7 @@
 #include "control/core/monitor/patient_hanging.hpp"
 #include "control/core/monitor/remote_lost.hpp"
 #include "control/core/monitor/server_lost.hpp"
+#include "control/core/monitor/supply_high.hpp"
 #include "control/core/monitor/tilt_frozen.hpp"
 #include "control/core/monitor/tilt_implausible.hpp"
 #include "control/core/monitor/tilt_sensor_fault.hpp"
@@ -40,8 +41,9 @@ using Silences = decltype(silences(std::make_index_sequence<kNodeRows.size()>{})
 using Others =
     std::tuple<BusDown, NodeDuplicate, NodeBabbling, DriveFault<true>, DriveFault<false>, TiltImplausible, TiltFrozen, TiltSensorFault,
                BumperPressed, FallDetected, BatteryBelow<contract::Fault::battery_empty, &contract::Params::battery_empty_v>,
-               BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, BaseTilted, BaseTiltHigh,
-               PatientHanging, RemoteCommandLost, ServerLost, ConsoleLost, Overspeed, LoopOverrun, EmergencyStopOpen, WheelSlip>;
+               BatteryBelow<contract::Fault::battery_low, &contract::Params::battery_low_v>, BatteryUneven, SupplyHigh, BaseTilted,
+               BaseTiltHigh, PatientHanging, RemoteCommandLost, ServerLost, ConsoleLost, Overspeed, LoopOverrun, EmergencyStopOpen,
+               WheelSlip>;
 }  // namespace detail
 using MonitorList = decltype(std::tuple_cat(detail::Silences{}, detail::Others{}));
 

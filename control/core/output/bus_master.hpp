@@ -1,4 +1,6 @@
-// The CANopen master: finds each node, asks what it is, writes its parameters, starts it, and keeps the heartbeat and the SYNC.
+// The CANopen master: finds each node, asks what it is, sets its settings, starts it, and keeps the heartbeat and the SYNC. The settings are the
+// parameters that live in it, which are written, and the objects on whose defaults the core relies (kKeptObjects), which are written when they
+// differ. Each counts once the node has told its value back: a serial line has no checksum, and a damaged write is confirmed like any other.
 //
 // One SDO request is under way at a time and at most one leaves per step, which keeps the pace of at least 5 ms that
 // the bus load plan assumes. Every wait ends: a request is tried kSdoTries times, then its node rests kNodeRest ticks
@@ -9,6 +11,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "control/contract/can_dictionary.hpp"
 #include "control/contract/firmware_image.hpp"
@@ -54,7 +57,7 @@ class BusMaster {
     if (sdo_.outcome() == Sdo::Outcome::aborted) {
       // The node refused the value: repeating the request at once would not help.
       busy_ = false;
-      if (sdo_param_ == kSerial) {
+      if (sdo_what_ == kSerial) {
         link.serial = 0;  // it has none
         link.serial_known = true;
       } else {
@@ -63,9 +66,9 @@ class BusMaster {
       return true;
     }
     // No answer to this, or one that no server may give, or a word of another size: step() asks again.
-    if (sdo_.outcome() != Sdo::Outcome::done || (sdo_param_ >= kIdentity && sdo_.uploaded().size() != 4)) return false;
+    if (sdo_.outcome() != Sdo::Outcome::done || (reads_ && sdo_.uploaded().size() != asked_.bytes)) return false;
     busy_ = false;
-    if (sdo_param_ == kIdentity) {
+    if (sdo_what_ == kIdentity) {
       // A serial line has no checksum. An answer that would keep a node from work counts only when it comes twice.
       const std::uint32_t told = sdo_.value();
       std::uint32_t& known = link.product_known ? link.revision : link.product;
@@ -75,6 +78,7 @@ class BusMaster {
         if (other_rules(told) && !twice) return true;
         link.serial_known = false;
         link.unwritten = params_of(node);
+        link.untold = kept_of(node);
         link.phase = Phase::configure;
       } else if ((told & contract::kLoaderProduct) == 0) {
         link.product_known = true;
@@ -86,14 +90,17 @@ class BusMaster {
       }
       return true;
     }
-    if (sdo_param_ == kSerial) {
+    if (sdo_what_ == kSerial) {
       // As above: only one that was told twice is another part.
       const bool twice = sdo_.value() == link.serial;
       link.serial = sdo_.value();
       link.serial_known = twice;
       return true;
     }
-    link.unwritten &= ~(1U << sdo_param_);
+    const std::uint32_t bit = 1U << sdo_what_;
+    const bool differs = reads_ && sdo_.value() != asked_.word;
+    link.unwritten = differs ? link.unwritten | bit : link.unwritten & ~bit;
+    link.untold = reads_ ? link.untold & ~bit : link.untold | bit;
     return true;
   }
 
@@ -103,11 +110,14 @@ class BusMaster {
       const std::size_t row = contract::param_index(contract::kParamObjects[i].param);
       if (contract::get_param(before, row) == contract::get_param(now, row)) continue;
       for (std::size_t n = 0; n < links_.size(); ++n)
-        if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) links_[n].unwritten |= 1U << i;
+        if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) {
+          links_[n].unwritten |= 1U << i;
+          links_[n].untold &= ~(1U << i);
+        }
       // Also for a start that is asked for in this step.
       all_running_ = false;
       // A value under way is outdated: its answer must not count for the new one.
-      if (busy_ && sdo_param_ == i) busy_ = false;
+      if (busy_ && sdo_what_ == i) busy_ = false;
     }
   }
 
@@ -128,7 +138,7 @@ class BusMaster {
     all_running_ = true;
     for (std::size_t n = 0; n < links_.size(); ++n) {
       advance(static_cast<contract::Node>(n), sensed, out);
-      all_running_ = all_running_ && links_[n].phase == Phase::running && links_[n].unwritten == 0 && !asks_serial(links_[n]);
+      all_running_ = all_running_ && links_[n].phase == Phase::running && links_[n].settled() && !asks_serial(links_[n]);
     }
     if (busy_) {
       wait_for_reply(params, out);
@@ -137,7 +147,7 @@ class BusMaster {
     }
   }
 
-  /// Configures every node from the start at its next heartbeat: identity, parameters, NMT start.
+  /// Configures every node from the start at its next heartbeat: identity, settings, NMT start.
   void meet_all_again() noexcept {
     for (Link& link : links_) {
       link.phase = Phase::absent;
@@ -156,7 +166,7 @@ class BusMaster {
                ? std::uint8_t{0}
                : static_cast<std::uint8_t>((age_ticks - kHeartbeatLateTicks) / kNodeHeartbeatTicks);
   }
-  /// Every node is known, has its parameters and runs.
+  /// Every node is known, has its settings and runs.
   [[nodiscard]] bool all_running() const noexcept { return all_running_; }
   /// A node's program has another protocol revision: CiA 301 raises the major half of the revision when behaviour
   /// changes.
@@ -179,22 +189,31 @@ class BusMaster {
   }
 
  private:
-  /// Identity and parameters are words of four bytes.
+  /// Identity and settings are words of at most four bytes.
   using Sdo = contract::SdoTransfer<4>;
 
   struct Link {
     std::uint32_t product = 0, revision = 0;
     bool product_known = false;  // and its revision is asked for next
     std::uint32_t serial = 0;
-    bool serial_known = false;    // since its start
-    std::uint32_t unwritten = 0;  // bit per row of kParamObjects
+    bool serial_known = false;                // since its start
+    std::uint32_t unwritten = 0, untold = 0;  // bit per setting
     Phase phase = Phase::absent;
     std::uint8_t state = 255;
     std::uint8_t heartbeat_age_ticks = kOldestTicks;
     std::uint16_t rest_ticks = 0;
     std::uint8_t start_ticks = 0;
+
+    [[nodiscard]] bool settled() const noexcept { return (unwritten | untold) == 0; }
   };
-  static_assert(contract::kParamObjects.size() < 32, "unwritten holds a bit per row");
+  struct Setting {
+    std::uint16_t index;
+    std::uint8_t sub;
+    std::size_t bytes;
+    std::uint32_t word;
+  };
+  // Rows of kParamObjects, then those of kKeptObjects.
+  static constexpr std::size_t kSettings = contract::kParamObjects.size() + contract::kKeptObjects.size();
   // One for all kinds of node.
   static constexpr auto kRevision = static_cast<std::uint32_t>(contract::find_object(contract::NodeKind::tilt, 0x1018, 3)->default_value);
 
@@ -206,8 +225,9 @@ class BusMaster {
   static constexpr std::uint8_t kNodeRest = 100;      // one second
   static constexpr std::uint16_t kLoaderRest = 9000;  // a minute and a half: a loader waits one minute for a request
   static constexpr std::uint8_t kStartTicks = 20;     // from NMT start to the first process data, with two heartbeats in between
-  // The requests that are no parameters: 1018h:2, then :3; and :4 of a node at work.
+  // The requests that are no settings: 1018h:2, then :3; and :4 of a node at work.
   static constexpr std::size_t kIdentity = 31, kSerial = 32;
+  static_assert(kSettings <= kIdentity, "a mask holds a bit per setting");
 
   template <std::size_t N>
   static void send(FixedVector<contract::CanFrame, N>& out, const contract::CanFrame& frame) noexcept {
@@ -221,6 +241,22 @@ class BusMaster {
     for (std::size_t i = 0; i < contract::kParamObjects.size(); ++i)
       if (contract::kParamObjects[i].kind == contract::kNodes[static_cast<std::size_t>(node)].kind) mask |= 1U << i;
     return mask;
+  }
+  static std::uint32_t kept_of(contract::Node node) noexcept {
+    std::uint32_t mask = 0;
+    for (std::size_t i = contract::kParamObjects.size(); i < kSettings; ++i)
+      if (contract::object_applies(*contract::kKeptObjects[i - contract::kParamObjects.size()],
+                                   contract::kNodes[static_cast<std::size_t>(node)].kind))
+        mask |= 1U << i;
+    return mask;
+  }
+  static Setting setting(std::size_t i, const contract::Params& params) noexcept {
+    if (i < contract::kParamObjects.size()) {
+      const contract::ParamObject& object = contract::kParamObjects[i];
+      return {object.index, object.sub, 4, contract::param_word(object, contract::get_param(params, contract::param_index(object.param)))};
+    }
+    const contract::ObjectInfo& kept = *contract::kKeptObjects[i - contract::kParamObjects.size()];
+    return {kept.index, kept.sub, contract::object_bytes(kept.type), contract::raw_word(kept.type, kept.default_value)};
   }
 
   static constexpr bool other_rules(std::uint32_t revision) noexcept { return revision >> 16U != kRevision >> 16U; }
@@ -256,7 +292,7 @@ class BusMaster {
       case Phase::configure:
         if (silent) {
           link.phase = Phase::absent;
-        } else if (link.unwritten == 0) {
+        } else if (link.settled()) {
           link.phase = Phase::start;
           link.start_ticks = 0;
           send(out, canopen::nmt(canopen::NmtCommand::start, contract::node_id(node)));
@@ -297,11 +333,12 @@ class BusMaster {
       turn_ = turn_ + 1 < links_.size() ? turn_ + 1 : 0;
       const Link& link = links_[turn_];
       const bool identify = link.phase == Phase::identify;
-      const bool write = (link.phase == Phase::configure || link.phase == Phase::running) && link.unwritten != 0 && link.rest_ticks == 0;
+      const bool set = (link.phase == Phase::configure || link.phase == Phase::running) && !link.settled() && link.rest_ticks == 0;
       const bool number = link.phase == Phase::running && link.rest_ticks == 0 && asks_serial(link);
-      if (!identify && !write && !number) continue;
+      if (!identify && !set && !number) continue;
       sdo_node_ = static_cast<contract::Node>(turn_);
-      sdo_param_ = identify ? kIdentity : write ? static_cast<std::size_t>(std::countr_zero(link.unwritten)) : kSerial;
+      reads_ = !set || link.unwritten == 0;
+      sdo_what_ = identify ? kIdentity : set ? static_cast<std::size_t>(std::countr_zero(reads_ ? link.untold : link.unwritten)) : kSerial;
       sdo_tries_ = 0;
       // A node in NMT state STOPPED ignores SDO; send NMT start first.
       if (link.state == static_cast<std::uint8_t>(canopen::NmtState::stopped))
@@ -314,28 +351,29 @@ class BusMaster {
   template <std::size_t N>
   void ask(const contract::Params& params, FixedVector<contract::CanFrame, N>& out) noexcept {
     const std::uint8_t id = contract::node_id(sdo_node_);
-    if (sdo_param_ == kSerial) {
-      busy_ = sdo_.upload(id, 0x1018, 4);
-    } else if (sdo_param_ == kIdentity) {
-      const std::uint8_t sub = links_[static_cast<std::size_t>(sdo_node_)].product_known ? 3 : 2;
-      busy_ = sdo_.upload(id, 0x1018, sub);
+    const Link& link = links_[static_cast<std::size_t>(sdo_node_)];
+    // Found again at each try: a ramping gain changes in every step.
+    asked_ = sdo_what_ == kSerial     ? Setting{0x1018, 4, 4, 0}
+             : sdo_what_ == kIdentity ? Setting{0x1018, static_cast<std::uint8_t>(link.product_known ? 3 : 2), 4, 0}
+                                      : setting(sdo_what_, params);
+    if (reads_) {
+      busy_ = sdo_.upload(id, asked_.index, asked_.sub);
     } else {
-      const contract::ParamObject& object = contract::kParamObjects[sdo_param_];
-      // Read again at each try: a ramping gain changes in every step.
       std::array<std::uint8_t, 4> bytes{};
-      contract::write_le(bytes.data(), 4, contract::param_word(object, contract::get_param(params, contract::param_index(object.param))));
-      busy_ = sdo_.download(id, object.index, object.sub, bytes);
+      contract::write_le(bytes.data(), bytes.size(), asked_.word);
+      busy_ = sdo_.download(id, asked_.index, asked_.sub, std::span(bytes).first(asked_.bytes));
     }
     if (const auto frame = sdo_.step(time_ns_)) send(out, *frame);
   }
 
   std::array<Link, contract::kRemoteNodeCount> links_{};
-  std::size_t turn_ = 0, sdo_param_ = 0;
+  std::size_t turn_ = 0, sdo_what_ = 0;
   contract::Node sdo_node_ = contract::Node::core;
+  Setting asked_{};
   Sdo sdo_{{.answer_ns = kAnswer_ns, .tries = 1, .pace_ns = 0}};  // one request leaves per step; tries are counted here
   std::uint64_t time_ns_ = 0;                                     // of the steps
   std::uint8_t sdo_tries_ = 0;
-  bool busy_ = false, all_running_ = false, hands_off_ = false;
+  bool busy_ = false, reads_ = false, all_running_ = false, hands_off_ = false;
 };
 
 }  // namespace hoist::core

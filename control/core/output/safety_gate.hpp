@@ -273,13 +273,18 @@ class SafetyGate {
     const auto index = static_cast<std::uint16_t>(contract::read_le(&frame.data[1], 2));
     if (frame.data[0] == canopen::kSdoUploadRequest) return contract::find_object(kind, index, frame.data[3]) != nullptr;
     // Only the parameters that belong into nodes are ever written, only in their range, and those that need standstill only in a mode
-    // without motion.
+    // without motion; and the objects that hold their default, with nothing else.
     for (const contract::ParamObject& object : contract::kParamObjects) {
       if (object.kind != kind || object.index != index || object.sub != frame.data[3]) continue;
       if (frame.data[0] != canopen::sdo_download_command(4)) return false;
       const contract::ParamInfo& info = contract::kParams[contract::param_index(object.param)];
       if (!in_range(contract::param_value(object, contract::read_le(&frame.data[4], 4)), info)) return false;
       return info.edit == contract::EditRule::live || !contract::kModes[static_cast<std::size_t>(view.mode)].moving;
+    }
+    for (const contract::ObjectInfo* kept : contract::kKeptObjects) {
+      if (!contract::object_applies(*kept, kind) || kept->index != index || kept->sub != frame.data[3]) continue;
+      return frame.data[0] == canopen::sdo_download_command(contract::object_bytes(kept->type)) &&
+             contract::read_le(&frame.data[4], 4) == contract::raw_word(kept->type, kept->default_value);
     }
     return false;
   }

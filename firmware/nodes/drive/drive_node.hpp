@@ -68,7 +68,7 @@ inline constexpr float kStrayCurrent_a = 1.0F;
 inline constexpr std::uint32_t kStrayCurrent_ms = 20;
 inline constexpr std::uint32_t kDriverFault_ms = 2;  // nFAULT low for so long; a shorter one is noise on the line
 inline constexpr std::uint32_t kOverVoltage_ms = 5;
-inline constexpr float kOverVoltageFold_v = 2.0F;               // so far below 2231h:1 the reduction of braking begins
+using contract::canopen::drive::kOverVoltageFold_v;
 inline constexpr float kSagBegin_v = 21.0F, kSagEnd_v = 19.5F;  // while motoring; ends above the 19 V that switch off, hazard H12
 inline constexpr float kSagShare = 0.25F;                       // of the current limit, left at kSagEnd_v
 inline constexpr std::uint32_t kIllegalSteps = 3;               // in one window: a broken line; single ones are noise and only counted

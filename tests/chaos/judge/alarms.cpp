@@ -21,9 +21,9 @@ constexpr double kTurns_m_s = 0.05, kTurns_s = 0.2;
 // The judge's own: alarms that last as long as their cause. Every other one has stopped the hoist, and stays until it is acknowledged.
 constexpr contract::FaultBits kPassing = [] {
   contract::FaultBits bits = 0;
-  for (const HoistFault fault :
-       {HoistFault::battery_empty, HoistFault::battery_low, HoistFault::battery_uneven, HoistFault::remote_command_lost,
-        HoistFault::server_lost, HoistFault::console_lost, HoistFault::base_tilt_high, HoistFault::patient_hanging, HoistFault::wheel_slip})
+  for (const HoistFault fault : {HoistFault::battery_empty, HoistFault::battery_low, HoistFault::battery_uneven, HoistFault::supply_high,
+                                 HoistFault::remote_command_lost, HoistFault::server_lost, HoistFault::console_lost,
+                                 HoistFault::base_tilt_high, HoistFault::patient_hanging, HoistFault::wheel_slip})
     bits |= contract::fault_bit(fault);
   return bits;
 }();

@@ -75,6 +75,8 @@ constexpr std::array kRules{
     RuleInfo{Rule::rolls_away, "I1: a body in the stops pushes the hoist away on standby", 0.2 + kLook_s, any(HoistFault::fall_detected),
              1.0},
     RuleInfo{Rule::empty, "I1: empty batteries are not found within 2 s", 0.5 + kLook_s, any(HoistFault::battery_empty), 0.5},
+    RuleInfo{Rule::high, "I1: a supply at which the drives brake less is not found within 2 s", 0.5 + kLook_s, any(HoistFault::supply_high),
+             0.5},
     RuleInfo{Rule::weak, "I1: low batteries are not told of within 2 s", 0.5 + kLook_s, any(HoistFault::battery_low)},
     RuleInfo{Rule::uneven, "I1: uneven batteries are not told of within 2 s", 0.5 + kLook_s, any(HoistFault::battery_uneven)},
     RuleInfo{Rule::steep, "I1: a chassis beyond 8 degrees is not found within 200 ms", 0.2 + kLook_s, any(HoistFault::base_tilted), 1.0},
@@ -177,6 +179,7 @@ constexpr std::array kJudged{
     Judged{Kind::other_console, "I3"},
     Judged{Kind::held_before, "I7"},
     Judged{Kind::tuned_twice, "I10"},
+    Judged{Kind::supply_rises, "high"},
 };
 static_assert([] {
   for (std::size_t i = 0; i < kJudged.size(); ++i)
@@ -195,7 +198,7 @@ constexpr int kTold_steps = 15;   // the io node tells of the batteries every 10
 constexpr double kRunaway_s = 1.2;
 // Alarms that end a motion led by hand as gently as its own end.
 constexpr contract::FaultBits kSoftStops =
-    any(HoistFault::patient_hanging, HoistFault::battery_empty, HoistFault::wheel_slip, HoistFault::server_lost);
+    any(HoistFault::patient_hanging, HoistFault::battery_empty, HoistFault::supply_high, HoistFault::wheel_slip, HoistFault::server_lost);
 
 // Modes in which every alarm has its meaning: INIT checks everything when it ends; out of service only the cause stays.
 bool watched(Mode mode) { return mode != Mode::init && mode != Mode::fault && mode != Mode::emergency_stop && mode != Mode::calibrate; }
@@ -343,7 +346,7 @@ void Deadlines::take_bars(const Truth& truth) {
                                         plant.emergency_stop(),
                                         silence,
                                         blind,
-                                        battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps,
+                                        (battery_v_[0] < 21.8 || battery_v_[0] > 29.7) && ears_.battery_age() < kTold_steps,
                                         turns,
                                         board_.now(Kind::wrong_part)};
   for (std::size_t bar = 0; bar < kBarCount; ++bar) barred_s_[bar] = now[bar] ? barred_s_[bar] + kStep_s : 0;
@@ -356,7 +359,7 @@ std::string_view Deadlines::start_barred(Mode to) const {
   if (barred_s_[chain] > kKnown_s) return "I7: a start with the emergency stop pressed";
   if (barred_s_[silent_node] > kKnown_s) return "I7: a start without one of the nodes";
   if (barred_s_[blind_sensor] > kKnown_s) return "I7: a start with a sensor that knows nothing";
-  if (barred_s_[no_battery] > kMean_s) return "I7: a start with empty batteries";
+  if (barred_s_[no_battery] > kMean_s) return "I7: a start with empty batteries, or a supply that is too high";
   if (barred_s_[unchecked] > kKnown_s) return "I7: a start with a part that was never checked";
   if (barred_s_[turning] > kKnown_s) return "I7: a start while a wheel turns";
   return {};
@@ -473,6 +476,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
              ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1 && truth.fastest_m_s > 0.15;
     case Rule::empty:
       return battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps;
+    case Rule::high:
+      return battery_v_[0] > 29.7 && ears_.battery_age() < kTold_steps;
     case Rule::weak:
       return battery_v_[0] < 22.8 && ears_.battery_age() < kTold_steps;
     case Rule::uneven:
@@ -604,6 +609,8 @@ bool Deadlines::explained(HoistFault cause) const {
       return seen_s_ - slid_s_ < kLately_s;
     case HoistFault::battery_empty:
       return battery_v_[0] < 22.2;
+    case HoistFault::supply_high:
+      return battery_v_[0] > 29.3;
     default:
       return false;
   }

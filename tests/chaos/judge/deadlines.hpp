@@ -46,6 +46,7 @@ enum class Rule : std::uint8_t {
   dragged,
   rolls_away,
   empty,
+  high,
   weak,
   uneven,
   steep,

@@ -505,7 +505,7 @@ void Watch::count_end(const TickRecord& record, Mode from) {
       record.stop_cause > 0 ? contract::fault_info(static_cast<HoistFault>(record.stop_cause - 1U)).name : "soft stop";
   tell("unasked stop: " + std::string(cause));
   bool explained = record.stop_cause > 0 && deadlines_.explained(static_cast<HoistFault>(record.stop_cause - 1U));
-  for (const HoistFault soft : {HoistFault::patient_hanging, HoistFault::battery_empty, HoistFault::wheel_slip})
+  for (const HoistFault soft : {HoistFault::patient_hanging, HoistFault::battery_empty, HoistFault::supply_high, HoistFault::wheel_slip})
     explained = explained || (has(record, soft) && deadlines_.explained(soft));
   if (explained) return;
   ++report_.false_stops;

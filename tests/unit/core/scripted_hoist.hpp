@@ -33,7 +33,8 @@ struct FakeNode {
   bool silent = false;  // unplugged
   contract::canopen::NmtState nmt = contract::canopen::NmtState::pre_operational;
   bool booted = false;
-  std::vector<std::pair<std::uint32_t, float>> written;  // index << 8 | sub, value
+  std::vector<std::pair<std::uint32_t, float>> written;        // index << 8 | sub, value
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> words;  // the same, in the order of writing; what the node tells back
   std::uint32_t sdo_requests = 0;
   std::uint32_t revision = kRevision;  // of its program
   std::uint32_t serial = 0;            // 0: it has none
@@ -371,6 +372,15 @@ class ScriptedHoist {
         const std::uint32_t reply = canopen::kSdoReplyBase + id;
         if (n.sdo_aborts) {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
+        } else if (f.data[0] == canopen::kSdoUploadRequest && index != 0x1018) {
+          // Unwritten objects have a value that is none of the core's.
+          const contract::ObjectInfo* object =
+              contract::find_object(contract::kNodes[static_cast<std::size_t>(node)].kind, index, f.data[3]);
+          const std::uint32_t key = (static_cast<std::uint32_t>(index) << 8) | f.data[3];
+          std::uint32_t word = 0x55;
+          for (const auto& [name, value] : n.words) word = name == key ? value : word;
+          replies_.push_back(
+              canopen::sdo(reply, canopen::sdo_upload_reply_command(contract::object_bytes(object->type)), index, f.data[3], word));
         } else if (f.data[0] == canopen::kSdoUploadRequest) {
           const std::uint32_t product = (real ? 0U : canopen::kSimulatedProduct) | n.product_bits | id;
           replies_.push_back(canopen::sdo(reply, canopen::sdo_upload_reply_command(4), index, f.data[3],
@@ -382,6 +392,7 @@ class ScriptedHoist {
         } else {
           n.written.emplace_back((static_cast<std::uint32_t>(index) << 8) | f.data[3],
                                  std::bit_cast<float>(contract::read_le(&f.data[4], 4)));
+          n.words.emplace_back(n.written.back().first, contract::read_le(&f.data[4], 4));
           replies_.push_back(canopen::sdo(reply, canopen::kSdoDownloadReply, index, f.data[3], 0));
         }
       }

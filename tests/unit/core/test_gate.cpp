@@ -351,6 +351,34 @@ TEST_F(Gate, H27ParametersOfNodesOnTheEdgeOfTheirRange) {
   }
 }
 
+// Objects that hold their default: this value alone, in its own size, to nodes of its kind, in each mode. H27
+TEST_F(Gate, H27ObjectsThatHoldTheirDefaultAreWrittenNothingElse) {
+  struct Kept {
+    std::uint32_t id;
+    std::size_t bytes;
+    std::uint16_t index;
+    std::uint8_t sub;
+    std::uint32_t word;
+  };
+  for (const Mode mode : {Mode::init, Mode::standby, Mode::user, Mode::protective_stop}) {
+    view.mode = mode;
+    for (const Kept& kept : {Kept{0x601, 4, 0x6085, 0, 300}, Kept{0x602, 4, 0x6085, 0, 300}, Kept{0x602, 2, 0x605A, 0, 2},
+                             Kept{0x601, 4, 0x2231, 1, std::bit_cast<std::uint32_t>(32.0F)}, Kept{0x608, 1, 0x6206, 1, 255},
+                             Kept{0x608, 4, 0x1016, 1, 0x007F00FA}}) {
+      const auto may = [&](std::uint32_t id, std::size_t bytes, unsigned index, unsigned sub, std::uint32_t word) {
+        return judge(canopen::sdo(id, canopen::sdo_download_command(bytes), static_cast<std::uint16_t>(index),
+                                  static_cast<std::uint8_t>(sub), word));
+      };
+      EXPECT_TRUE(may(kept.id, kept.bytes, kept.index, kept.sub, kept.word)) << kept.index;
+      EXPECT_FALSE(may(kept.id, kept.bytes, kept.index, kept.sub, kept.word ^ 1U)) << kept.index;
+      EXPECT_FALSE(may(kept.id, kept.bytes == 4 ? 3 : kept.bytes + 1, kept.index, kept.sub, kept.word)) << kept.index;
+      EXPECT_FALSE(may(0x611, kept.bytes, kept.index, kept.sub, kept.word)) << kept.index << ": no tilt sensor has it";
+      EXPECT_FALSE(may(kept.id, kept.bytes, kept.index, kept.sub + 2U, kept.word)) << kept.index;
+      EXPECT_FALSE(may(kept.id, kept.bytes, kept.index + 0x100U, kept.sub, kept.word)) << kept.index;
+    }
+  }
+}
+
 // What leaves instead of a refused pair brakes both wheels alike and is itself a pair that the gate would let pass.
 TEST_F(Gate, H1_H3WhatReplacesARefusedPairBrakesBothWheelsTogether) {
   bring_to(0.4, 0.4);

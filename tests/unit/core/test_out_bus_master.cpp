@@ -29,19 +29,28 @@ constexpr std::size_t kNodes = 6;
 constexpr std::array<std::uint32_t, kNodes> kIds{0x01, 0x02, 0x08, 0x11, 0x12, 0x13};
 constexpr std::array kKinds{NodeKind::drive, NodeKind::drive, NodeKind::io, NodeKind::tilt, NodeKind::tilt, NodeKind::tilt};
 
-// The values that live in a node, in the order in which they are written.
+// The values that a node is set, in their order: parameters that live in it, which are written; then what must be as its guards take it, which is read,
+// and written when it differs. What was written is read back.
 struct Value {
   NodeKind kind;
   std::uint32_t index, sub;
   double Params::*field;
+  std::uint32_t command = 0x23, word = 0;
 };
 constexpr std::array kValues{Value{NodeKind::drive, 0x2200, 1, &Params::drive_velocity_gain_v_s_rad},
                              Value{NodeKind::drive, 0x2200, 2, &Params::drive_velocity_integral_v_rad},
                              Value{NodeKind::drive, 0x2200, 5, &Params::drive_current_limit_a},
                              Value{NodeKind::drive, 0x6083, 0, &Params::drive_acceleration_rad_s2},
                              Value{NodeKind::tilt, 0x2102, 1, &Params::tilt_kalman_angle_norm},
-                             Value{NodeKind::tilt, 0x2102, 2, &Params::tilt_kalman_bias_per_s}};
-static_assert(kValues.size() == contract::kParamObjects.size());
+                             Value{NodeKind::tilt, 0x2102, 2, &Params::tilt_kalman_bias_per_s},
+                             // 0.25 s of the computer's heartbeat; 4 ms; 32 V; brake, then switch off; 1 m/s2 at the wheel; all outputs off
+                             Value{NodeKind::drive, 0x1016, 1, nullptr, 0x23, 0x007F00FA},
+                             Value{NodeKind::drive, 0x2200, 4, nullptr, 0x23, std::bit_cast<std::uint32_t>(0.004F)},
+                             Value{NodeKind::drive, 0x2231, 1, nullptr, 0x23, std::bit_cast<std::uint32_t>(32.0F)},
+                             Value{NodeKind::drive, 0x605A, 0, nullptr, 0x2B, 2}, Value{NodeKind::drive, 0x6085, 0, nullptr, 0x23, 300},
+                             Value{NodeKind::io, 0x1016, 1, nullptr, 0x23, 0x007F00FA}, Value{NodeKind::io, 0x6206, 1, nullptr, 0x2F, 255},
+                             Value{NodeKind::io, 0x6207, 1, nullptr, 0x2F, 0}};
+static_assert(kValues.size() == contract::kParamObjects.size() + contract::kKeptObjects.size());
 
 CanFrame sdo(std::uint32_t id, std::uint32_t command, std::uint32_t index, std::uint32_t sub, std::uint32_t value) {
   CanFrame frame{id, 8, 0, {}};
@@ -54,17 +63,18 @@ CanFrame nmt(std::uint32_t command, std::uint32_t id) {
 }
 std::uint32_t word_of(const CanFrame& frame) { return contract::read_le(&frame.data[4], 4); }
 
-enum class What : std::uint8_t { product, revision, serial, value };
+enum class What : std::uint8_t { product, revision, serial, write, read };
 
 struct NodeRule {
   Phase phase = Phase::absent;
   int state = 255, age_steps = 255, rest_steps = 0, start_steps = 0;
   std::uint32_t product = 0, revision = 0, serial = 0;
   bool product_known = false, serial_known = false;
-  std::set<std::size_t> unwritten;
+  std::set<std::size_t> unwritten, untold;
 
   [[nodiscard]] bool other_version() const { return revision / 0x10000 != 3; }
   [[nodiscard]] bool silent() const { return age_steps >= 25; }
+  [[nodiscard]] bool settled() const { return unwritten.empty() && untold.empty(); }
   // A simulated node has no number.
   [[nodiscard]] bool number_wanted() const { return !serial_known && product < 0x80000000U; }
   void identify() {
@@ -84,12 +94,16 @@ struct Request {
   What what = What::product;
   int tries = 0;
   std::uint64_t sent_step = 0;
-  bool wrong = false;  // answered as no node does: asked again in the next step
+  bool wrong = false;      // answered as no node does: asked again in the next step
+  std::uint32_t word = 0;  // of a value
 
-  [[nodiscard]] std::uint32_t index() const { return what == What::value ? kValues[value].index : 0x1018; }
+  [[nodiscard]] bool of_value() const { return what == What::write || what == What::read; }
+  [[nodiscard]] std::uint32_t index() const { return of_value() ? kValues[value].index : 0x1018; }
   [[nodiscard]] std::uint32_t sub() const {
-    return what == What::value ? kValues[value].sub : what == What::product ? 2U : what == What::revision ? 3U : 4U;
+    return of_value() ? kValues[value].sub : what == What::product ? 2U : what == What::revision ? 3U : 4U;
   }
+  // Of an upload's answer: words of four, two or one byte have 43h, 4Bh and 4Fh, as 23h, 2Bh and 2Fh write them.
+  [[nodiscard]] std::uint32_t told_by() const { return of_value() ? kValues[value].command + 0x20 : 0x43; }
 };
 
 struct MasterRule {
@@ -127,8 +141,10 @@ struct MasterRule {
     if (command == 0x80) return (names_it || names_none) && refused();
     if (kind == 2 || kind == 3) {
       if (!names_it) return false;
-      if (asked->what == What::value) return command == 0x60 ? written() : wrongly();
-      return command == 0x43 ? told(word_of(frame)) : wrongly();
+      if (asked->what == What::write) return command == 0x60 ? written() : wrongly();
+      if (command != asked->told_by()) return wrongly();
+      const std::uint32_t bits = command == 0x4F ? 0xFF : command == 0x4B ? 0xFFFF : 0xFFFFFFFF;
+      return told(word_of(frame) & bits);
     }
     return wrongly();
   }
@@ -149,6 +165,7 @@ struct MasterRule {
   }
   bool written() {
     nodes[asked->node].unwritten.erase(asked->value);
+    nodes[asked->node].untold.insert(asked->value);
     asked.reset();
     return true;
   }
@@ -157,8 +174,13 @@ struct MasterRule {
     const std::size_t n = asked->node;
     NodeRule& node = nodes[n];
     const What what = asked->what;
+    const std::size_t value = asked->value;
+    const bool as_set = word == asked->word;
     asked.reset();
-    if (what == What::product) {
+    if (what == What::read) {
+      node.untold.erase(value);
+      if (!as_set) node.unwritten.insert(value);
+    } else if (what == What::product) {
       const bool twice = node.product == word;
       node.product = word;
       const bool loader = (word & 0x40000000U) != 0;
@@ -173,8 +195,9 @@ struct MasterRule {
       if (node.other_version() && !twice) return true;
       node.serial_known = false;
       node.unwritten.clear();
+      node.untold.clear();
       for (std::size_t i = 0; i < kValues.size(); ++i)
-        if (kValues[i].kind == kKinds[n]) node.unwritten.insert(i);
+        if (kValues[i].kind == kKinds[n]) (kValues[i].field != nullptr ? node.unwritten : node.untold).insert(i);
       node.phase = Phase::configure;
     } else {
       node.serial_known = node.serial == word;
@@ -185,11 +208,14 @@ struct MasterRule {
 
   void params_changed(const Params& before, const Params& now) {
     for (std::size_t i = 0; i < kValues.size(); ++i) {
-      if (before.*kValues[i].field == now.*kValues[i].field) continue;
-      for (std::size_t n = 0; n < kNodes; ++n)
-        if (kKinds[n] == kValues[i].kind) nodes[n].unwritten.insert(i);
+      if (kValues[i].field == nullptr || before.*kValues[i].field == now.*kValues[i].field) continue;
+      for (std::size_t n = 0; n < kNodes; ++n) {
+        if (kKinds[n] != kValues[i].kind) continue;
+        nodes[n].unwritten.insert(i);
+        nodes[n].untold.erase(i);
+      }
       all_running = false;
-      if (asked && asked->what == What::value && asked->value == i) asked.reset();
+      if (asked && asked->of_value() && asked->value == i) asked.reset();
     }
   }
 
@@ -212,7 +238,7 @@ struct MasterRule {
     for (std::size_t n = 0; n < kNodes; ++n) {
       NodeRule& node = nodes[n];
       lead(node, kIds[n], lives[n]);
-      all_running = all_running && node.phase == Phase::running && node.unwritten.empty() && !node.number_wanted();
+      all_running = all_running && node.phase == Phase::running && node.settled() && !node.number_wanted();
     }
     if (asked) return wait(params);
     for (std::size_t k = 1; k <= kNodes; ++k) {
@@ -221,9 +247,9 @@ struct MasterRule {
       Request next{.node = n};
       if (node.phase == Phase::identify) {
         next.what = node.product_known ? What::revision : What::product;
-      } else if ((node.phase == Phase::configure || node.phase == Phase::running) && !node.unwritten.empty() && node.rest_steps == 0) {
-        next.what = What::value;
-        next.value = *node.unwritten.begin();
+      } else if ((node.phase == Phase::configure || node.phase == Phase::running) && !node.settled() && node.rest_steps == 0) {
+        next.what = node.unwritten.empty() ? What::read : What::write;
+        next.value = node.unwritten.empty() ? *node.untold.begin() : *node.unwritten.begin();
       } else if (node.phase == Phase::running && node.rest_steps == 0 && node.number_wanted()) {
         next.what = What::serial;
       } else {
@@ -244,7 +270,7 @@ struct MasterRule {
       case Phase::configure:
         if (node.silent()) {
           node.phase = Phase::absent;
-        } else if (node.phase == Phase::configure && node.unwritten.empty()) {
+        } else if (node.phase == Phase::configure && node.settled()) {
           node.phase = Phase::start;
           node.start_steps = 0;
           sent.push_back(nmt(1, id));
@@ -280,15 +306,20 @@ struct MasterRule {
     // The identity goes on with what is known by now.
     if (now.what == What::product || now.what == What::revision) now.what = nodes[now.node].product_known ? What::revision : What::product;
     const std::uint32_t to = 0x600 + kIds[now.node];
-    if (now.what != What::value) {
+    if (now.of_value()) now.word = value_word(now.value, params);
+    if (now.what != What::write) {
       sent.push_back(sdo(to, 0x40, now.index(), now.sub(), 0));
       return;
     }
-    // As it is now: a gain may ramp.
-    const double value = params.*kValues[now.value].field;
-    const bool whole = kValues[now.value].index == 0x6083;
-    sent.push_back(sdo(to, 0x23, now.index(), now.sub(),
-                       whole ? static_cast<std::uint32_t>(std::lround(value)) : std::bit_cast<std::uint32_t>(static_cast<float>(value))));
+    sent.push_back(sdo(to, kValues[now.value].command, now.index(), now.sub(), now.word));
+  }
+
+  // As it is now: a gain may ramp.
+  static std::uint32_t value_word(std::size_t value, const Params& params) {
+    if (kValues[value].field == nullptr) return kValues[value].word;
+    const double now = params.*kValues[value].field;
+    return kValues[value].index == 0x6083 ? static_cast<std::uint32_t>(std::lround(now))
+                                          : std::bit_cast<std::uint32_t>(static_cast<float>(now));
   }
 };
 
@@ -297,7 +328,8 @@ struct FakeNode {
   bool on = false, beats_always = false, stops_data = false, deaf = false, refuses_number = false, starts_not = false;
   std::uint8_t state = 127;
   std::uint32_t product = 0, revision = 0x00030000, serial = 0;
-  int refuses = -1;     // this value
+  int refuses = -1;  // this value
+  std::array<std::uint32_t, kValues.size()> words{};
   int odd_percent = 0;  // of its answers
   int beat_late = 0;    // steps
 };
@@ -425,14 +457,22 @@ struct Bench {
     const std::uint32_t index = request.data[1] + 256U * request.data[2], sub = request.data[3], from = 0x580 + kIds[n];
     CanFrame reply = sdo(from, 0x60, index, sub, 0);
     bool refuses = false;
-    if (command == 0x40) {
+    if (const auto value = std::find_if(kValues.begin(), kValues.end(),
+                                        [&](const Value& v) { return v.kind == kKinds[n] && v.index == index && v.sub == sub; });
+        value != kValues.end()) {
+      std::uint32_t& word = node.words[static_cast<std::size_t>(value - kValues.begin())];
+      if (command == 0x40) {
+        reply = sdo(from, value->command + 0x20, index, sub, word);
+      } else {
+        // A line that damages the value: confirmed like any other.
+        word = word_of(request) ^ (odd(node) ? 1U << below(8) : 0U);
+      }
+      refuses = node.refuses >= 0 && value == kValues.begin() + node.refuses;
+    } else if (command == 0x40) {
       const std::uint32_t word = sub == 2 ? node.product : sub == 3 ? node.revision : node.serial;
       refuses = sub == 4 && node.refuses_number;
       reply = sdo(from, 0x43, index, sub, word);
       if (odd(node)) reply = sdo(from, 0x41, index, sub, 4);
-    } else if (node.refuses >= 0) {
-      const Value& value = kValues[static_cast<std::size_t>(node.refuses)];
-      refuses = index == value.index && sub == value.sub;
     }
     if (refuses) reply = sdo(from, 0x80, index, sub, 0x06090030);
     if (odd(node)) {
@@ -559,12 +599,13 @@ struct Bench {
   }
   // A gain on its way.
   void ramp() {
-    for (const Value& value : kValues) params.*value.field *= 1.01;
+    for (const Value& value : kValues)
+      if (value.field != nullptr) params.*value.field *= 1.01;
   }
   void change() {
     const Params before = params;
     for (const Value& value : kValues)
-      if (below(3) == 0) params.*value.field *= below(2) == 0 ? 1.5 : 0.7;
+      if (value.field != nullptr && below(3) == 0) params.*value.field *= below(2) == 0 ? 1.5 : 0.7;
     // What lives in the core is written to no node.
     for (std::size_t row = 0; row < contract::kParams.size(); ++row) {
       const bool in_node =

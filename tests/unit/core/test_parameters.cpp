@@ -133,15 +133,16 @@ TEST(Parameters, WhileMovingOnlyLiveOnesChange) {
 TEST(Parameters, NodeParametersReachEveryNodeOfTheKindAtStartAndOnChange) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
-  EXPECT_EQ(hoist.drive_left.written.size(), 4U);
-  EXPECT_EQ(hoist.drive_right.written.size(), 4U);
+  // And what must hold its default, which these nodes did not have: five objects of a drive, three of the input node.
+  EXPECT_EQ(hoist.drive_left.written.size(), 4U + 5U);
+  EXPECT_EQ(hoist.drive_right.written.size(), 4U + 5U);
   EXPECT_EQ(hoist.tilt_base.written.size(), 2U);
-  EXPECT_EQ(hoist.io.written.size(), 0U);
+  EXPECT_EQ(hoist.io.written.size(), 3U);
   EXPECT_EQ(set(hoist, {{ParamName::drive_velocity_gain_v_s_rad, 0.2}}), 0U);
   EXPECT_NE(hoist.out.record.blocked_bits & refusal_bit(Refusal::nodes_missing), 0U) << "no start before the drives have it";
   hoist.step(10);
-  ASSERT_EQ(hoist.drive_left.written.size(), 5U);
-  ASSERT_EQ(hoist.drive_right.written.size(), 5U);
+  ASSERT_EQ(hoist.drive_left.written.size(), 10U);
+  ASSERT_EQ(hoist.drive_right.written.size(), 10U);
   EXPECT_EQ(hoist.drive_left.written.back().first, 0x220001U);
   EXPECT_EQ(hoist.drive_left.written.back().second, 0.2F);
   EXPECT_EQ(hoist.out.record.blocked_bits & refusal_bit(Refusal::nodes_missing), 0U);

@@ -19,6 +19,7 @@ export type FaultName =
   | 'bumper_pressed'
   | 'fall_detected'
   | 'battery_empty'
+  | 'supply_high'
   | 'battery_low'
   | 'remote_command_lost'
   | 'server_lost'
@@ -160,6 +161,11 @@ export const faults: readonly FaultInfo[] = [
     bit: 12, name: 'battery_empty', priority: 'medium', reaction: 'soft_stop',
     text: { en: 'Batteries are empty', de: 'Batterien sind leer' },
     action: { en: 'End the training and charge.', de: 'Training beenden und laden.' },
+  },
+  {
+    bit: 33, name: 'supply_high', priority: 'medium', reaction: 'soft_stop',
+    text: { en: 'The supply voltage is too high', de: 'Die Versorgungsspannung ist zu hoch' },
+    action: { en: 'Unplug the charger; call service if it stays.', de: 'Ladegerät abziehen; bleibt es so, Service rufen.' },
   },
   {
     bit: 13, name: 'battery_low', priority: 'low', reaction: 'warn',
