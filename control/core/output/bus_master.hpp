@@ -110,10 +110,7 @@ class BusMaster {
       const std::size_t row = contract::param_index(contract::kParamObjects[i].param);
       if (contract::get_param(before, row) == contract::get_param(now, row)) continue;
       for (std::size_t n = 0; n < links_.size(); ++n)
-        if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) {
-          links_[n].unwritten |= 1U << i;
-          links_[n].untold &= ~(1U << i);
-        }
+        if (contract::kNodes[n].kind == contract::kParamObjects[i].kind) links_[n].unwritten |= 1U << i;
       // Also for a start that is asked for in this step.
       all_running_ = false;
       // A value under way is outdated: its answer must not count for the new one.
