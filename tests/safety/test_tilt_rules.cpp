@@ -344,8 +344,9 @@ class FrozenRule {
       stands = stands || tilt->repeated_frames() >= 3 || (tilt->has(tilt_status::kValid) && tilt->same_rates() >= 20);
     }
     const int left = s.left_strut.lively_samples(), right = s.right_strut.lively_samples();
-    // Up to two lively samples of thirty are a stuck chip's; its twin has 15, and two more for each of those.
-    const auto glides = [](int own, int twin) { return (own == 0 && twin >= 15) || (own == 1 && twin >= 17) || (own == 2 && twin >= 19); };
+    // A stuck chip's twin has 15 lively samples of thirty, and two more for each that the chip has.
+    constexpr std::array kTwinOf{15, 17, 19, 21, 23, 25, 27, 29};
+    const auto glides = [&](int own, int twin) { return own >= 0 && own < 8 && twin >= kTwinOf[static_cast<std::size_t>(own)]; };
     if (rolling && both_new && (glides(left, right) || glides(right, left))) stands = true;
     return stands && at.mode != Mode::init;
   }

@@ -30,13 +30,14 @@ class DriveSensor {
     status_word_ = static_cast<std::uint16_t>(contract::read_slot(frame, kStatus));
     current_a_ = static_cast<double>(contract::read_slot(frame, kCurrent)) * kAmpsPerStep;
     const auto counts = static_cast<std::int32_t>(contract::read_slot(frame, kPosition));
-    const std::int32_t moved = law::delta32(counts, counts_);
-    // Two frames may arrive in one step when the loop woke late: they add up.
-    const double ticks = since_counts_ticks_ > 0 ? since_counts_ticks_ : 1;
-    const bool plausible = !known_ || (moved < counts_per_tick_max * ticks && moved > -counts_per_tick_max * ticks);
+    // Two frames may arrive in one step when the loop woke late, or when a late one was overtaken: they add up, and are judged by their sum.
+    const std::int64_t moved = std::int64_t{moved_counts_} + law::delta32(counts, counts_);
+    const std::uint32_t ticks = moved_ticks_ + since_counts_ticks_;
+    const double most = counts_per_tick_max * std::max(ticks, 1U);
+    const bool plausible = !known_ || (static_cast<double>(moved) < most && static_cast<double>(moved) > -most);
     if (known_ && plausible) {
-      moved_counts_ += moved;
-      moved_ticks_ += since_counts_ticks_;
+      moved_counts_ = static_cast<std::int32_t>(moved);
+      moved_ticks_ = ticks;
     }
     counts_ = counts;
     known_ = true;

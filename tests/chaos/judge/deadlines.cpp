@@ -245,7 +245,9 @@ void Deadlines::see(const Truth& truth) {
     braked_s_ = seen_s_;
     throws_forward_ = truth.acceleration_m_s2 < 0;
   }
-  if (truth.hardest_n > kHeld_n) pushed_s_ = seen_s_;
+  // From 30 to 32 V a servo holds less and less (2231h:1).
+  const double held_n = kHeld_n * std::clamp((32.0 - plant.supply_v()) / 2.0, 0.0, 1.0);
+  if (truth.hardest_n > held_n) pushed_s_ = seen_s_;
   if (truth.touches) touch_s_ = seen_s_;
   const bool hands = plant.shove().forward_n != 0.0 || plant.shove().turn_n_m != 0.0;
   if (std::exchange(hands_, hands) && !hands) let_go_s_ = seen_s_;

@@ -65,8 +65,9 @@ struct DriveRule {
     std::int64_t way = position - counts;
     if (way >= std::int64_t{1} << 31) way -= std::int64_t{1} << 32;
     if (way < -(std::int64_t{1} << 31)) way += std::int64_t{1} << 32;
-    const double most = counts_per_tick_max * static_cast<double>(std::max<std::int64_t>(waited, 1));
-    const bool jump = known && std::abs(static_cast<double>(way)) >= most;
+    // All frames of one step together, in the time since the position was told before them.
+    const double most = counts_per_tick_max * static_cast<double>(std::max<std::int64_t>(moved_in + waited, 1));
+    const bool jump = known && std::abs(static_cast<double>(moved + way)) >= most;
     if (known && !jump) {
       moved += way;
       moved_in += waited;
@@ -118,10 +119,10 @@ TEST(DriveRule, H3EachFrameIsReadByTheRule) {
       if (silent == 0 && random() % 40 == 0) silent = one_of(random, {1, 3, 4, 5, 6, 20, 300});
       if (supply_silent == 0) supply_silent = one_of(random, {4, 4, 4, 4, 4, 48, 49, 50, 51, 300});
       for (int frames = silent > 0 ? 0 : one_of(random, {1, 1, 1, 1, 1, 2, 3}); frames > 0; --frames) {
-        const auto limit = static_cast<std::int64_t>(most * static_cast<double>(std::max<std::int64_t>(rule.waited, 1)));
+        const auto limit = static_cast<std::int64_t>(most * static_cast<double>(std::max<std::int64_t>(rule.moved_in + rule.waited, 1)));
         const std::int64_t way = one_of(random, {0, 0, 1, -1, 57, -80}) + (random() % 8 != 0 ? 0 : one_of(random, {-1, 1}) * limit);
         // Just at the limit it is a jump, one count less is none.
-        const std::int64_t edge = random() % 10 != 0 ? way : one_of(random, {-1, 1}) * (limit - one_of(random, {0, 1, 2}));
+        const std::int64_t edge = random() % 10 != 0 ? way : one_of(random, {-1, 1}) * (limit - one_of(random, {0, 1, 2})) - rule.moved;
         position = static_cast<std::int32_t>(static_cast<std::uint32_t>(position + edge));
         const auto status = static_cast<std::uint16_t>(
             random() % 3 != 0 ? one_of(random, {0x00, 0x40, 0x21, 0x23, 0x27, 0x07, 0x0F, 0x08, 0x237, 0x1627}) : random());
