@@ -4,6 +4,7 @@ import { faults, modes, refusals } from '../src/contract/faults.gen';
 import { eventKinds, nodes } from '../src/contract/messages.gen';
 import { params } from '../src/contract/params.gen';
 import { groups, niceStep } from '../src/panels/tune/groups';
+import { calibrate } from '../src/text/calibrate';
 import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { first } from '../src/text/first';
@@ -16,8 +17,11 @@ import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs
 beforeEach(() => settings.set({ language: 'en' }));
 
 /** With the texts that come with a screen. */
-const parts = [rehearse, study, tasks];
-const all = { en: { ...en, ...rehearse.en, ...study.en, ...tasks.en }, de: { ...de, ...rehearse.de, ...study.de, ...tasks.de } };
+const parts = [calibrate, rehearse, study, tasks];
+const all = {
+  en: { ...en, ...calibrate.en, ...rehearse.en, ...study.en, ...tasks.en },
+  de: { ...de, ...calibrate.de, ...rehearse.de, ...study.de, ...tasks.de },
+};
 
 describe('the message files', () => {
   it('have the same keys', () => {
@@ -43,7 +47,7 @@ describe('the message files', () => {
 
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(en|de|first|rehearse|study|tasks)/.test(file))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(calibrate|en|de|first|rehearse|study|tasks)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,

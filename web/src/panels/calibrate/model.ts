@@ -1,6 +1,10 @@
 // State of the Calibrate screen: the table of steps from the server, and the instruction to show.
 import type { Calibration, CalibrationItem, CalibrationState, CalibrationStep } from '../../contract/rest.gen';
+import { calibrate as texts } from '../../text/calibrate';
 import type { TextKey } from '../../text/en';
+import { addTexts } from '../../text/text';
+
+addTexts(texts);
 
 /** Numbers of the live values, in the order of the contract's table. */
 export const stepNames = [
