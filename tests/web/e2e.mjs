@@ -1002,6 +1002,30 @@ const cases = {
     await toStandby();
   },
 
+  async 'the tablet in control is gone while the patient leads: another one takes control, and the walk goes on'() {
+    await toStandby();
+    await startWalk();
+    await until('the patient walks', goes);
+    const second = await context.newPage();
+    try {
+      await second.goto(`${stack.origin}/#/walk`);
+      await until('the second screen shows the walk', async () => (await second.locator('.mode strong').textContent()) === 'Patient leads');
+      await page.goto('about:blank');
+      await until('the alarm demands it', () => second.getByText('take control on another tablet').isVisible(), 8000);
+      if (shots) await second.screenshot({ path: join(shots, 'console-lost.png') });
+      await second.getByRole('button', { name: 'Control: Take over' }).click();
+      await until('the alarm is over', async () => !(await second.getByText('take control on another tablet').isVisible()));
+      assert((await second.locator('.control .bar-value').textContent()) === 'You', 'the second screen does not say that it is in control');
+      assert((await second.locator('.mode strong').textContent()) === 'Patient leads', 'the walk ended');
+      await page.goto(`${stack.origin}/#/walk`);
+      await until('the first screen is back', async () => (await modeName()) === 'Patient leads');
+      await toStandby();
+    } finally {
+      await second.close();
+    }
+    await toStandby();
+  },
+
   async 'a cut bus: no screen claims to know whether the hoist stands, and Start says what to do'() {
     await toStandby();
     await page.goto(`${stack.origin}/#/walk`);

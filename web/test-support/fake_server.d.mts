@@ -17,6 +17,8 @@ export interface FakeServer {
   markRehearsal: (result: object) => void;
   /** This fault is in force, until hoist.faults is 0 again. */
   fault: (name: string) => void;
+  /** Pages that connect from now on have this role. */
+  as: (role: string) => void;
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }

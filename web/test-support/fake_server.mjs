@@ -1437,6 +1437,7 @@ export function startFakeServer({
           }
         },
         fault: raise,
+        as: (role) => (person = { ...person, role }),
         jobs,
         finishJobs: () => (hurry = true),
         /** The rehearsal on this hoist is in another state, or its result is the marker of session 3. */

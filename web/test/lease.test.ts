@@ -13,16 +13,16 @@ beforeAll(async () => {
   fake = await startFakeServer({ dist: built.folder });
 }, minutes_ms);
 afterAll(async () => {
-  for (const page of pages) await page.close();
+  for (const page of pages) if (!page.isClosed()) await page.close();
   await fake?.close();
   await built?.close();
 });
 
-async function open([width, height]: readonly [number, number], locale: string): Promise<Page> {
+async function open([width, height]: readonly [number, number], locale: string, screen = 'drive', shown = '.mode-standby'): Promise<Page> {
   const page = await built.browser.newPage({ viewport: { width, height }, locale });
   pages.push(page);
-  await page.goto(`${fake.url}#/drive`);
-  await page.locator('.mode-standby').waitFor();
+  await page.goto(`${fake.url}#/${screen}`);
+  await page.locator(shown).waitFor();
   return page;
 }
 
@@ -59,6 +59,32 @@ it(
     await give.waitFor({ state: 'detached' });
     // Given, not taken: no alarm about it.
     expect(await driver.getByText('Another screen took over control.').count()).toBe(0);
+  },
+  minutes_ms,
+);
+
+it(
+  'is taken by one press while the patient leads and its screen has gone; a viewer cannot',
+  async () => {
+    const driver = await open([1024, 768], 'en', 'walk');
+    const other = await open([390, 844], 'de');
+    const take = other.getByRole('button', { name: 'Steuerung: Übernehmen' });
+    await driver.getByRole('button', { name: 'Start walking' }).click();
+    await other.locator('.mode-user').waitFor();
+    expect(await take.count(), 'not from a screen that is here').toBe(0);
+    await driver.close();
+    await other.locator('.control', { hasText: 'Niemand' }).waitFor();
+    fake.as('viewer');
+    const viewer = await open([1024, 768], 'de', 'walk', '.mode-user');
+    fake.as('engineer');
+    await viewer.locator('.control', { hasText: 'Niemand' }).waitFor();
+    expect(await viewer.getByRole('button', { name: 'Steuerung: Übernehmen' }).count()).toBe(0);
+    await take.click();
+    await other.locator('.control', { hasText: 'Sie' }).waitFor();
+    expect(fake.hoist.mode, 'the walk goes on').toBe('user');
+    expect(await take.count()).toBe(0);
+    await other.getByRole('button', { name: 'Beenden', exact: true }).click();
+    await other.locator('.mode-standby').waitFor();
   },
   minutes_ms,
 );

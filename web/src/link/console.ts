@@ -344,8 +344,9 @@ export const takenSeen = (): void => writable.set({ leaseTaken: false });
 export const dialogs: { askTakeOver: () => Promise<boolean> } = { askTakeOver: () => Promise.resolve(false) };
 
 /** Ensures that this console is in control. Takes free control at once, asks before taking it from another. */
-async function ensureLease(): Promise<Reply> {
-  const { lease } = store.value;
+export async function ensureLease(): Promise<Reply> {
+  const { lease, link: state } = store.value;
+  if (state !== 'open') return replyLost;
   if (lease.mine) return { ok: true, refusals: [], errors: [] };
   if (lease.holder === 0) {
     const reply = await takeLease(false);
@@ -357,7 +358,6 @@ async function ensureLease(): Promise<Reply> {
 }
 
 async function withLease(message: Question, unanswered?: Question): Promise<Reply> {
-  if (store.value.link !== 'open') return replyLost;
   const lease = await ensureLease();
   if (!lease.ok) return lease;
   const reply = await link.request(message, unanswered);

@@ -7,6 +7,8 @@ export type Start = 'user' | 'remote' | 'guided';
 export interface Readiness {
   /** The server answers. */
   reachable: boolean;
+  /** The server answers, and the role may more than watch and stop. */
+  may: boolean;
   /** The mode is known. Lost: it was known before; at the start neither. */
   known: boolean;
   lost: boolean;
@@ -90,12 +92,14 @@ function calmOf(s: Known, start: readonly string[]) {
 
 export function readinessOf(s: Known): Readiness {
   const reachable = s.link === 'open';
+  const may = reachable && s.role !== 'viewer';
   const known = !unknown(s) && s.data !== 'none';
   const old = s.data !== 'fresh' || !s.sensed || !reachable;
   const start = { user: startReasons(s, 'user'), remote: startReasons(s, 'remote'), guided: startReasons(s, 'guided') };
   const byHand = s.mode === 'remote' || s.mode === 'guided';
   return {
     reachable,
+    may,
     known,
     lost: unknown(s),
     old,
@@ -105,7 +109,7 @@ export function readinessOf(s: Known): Readiness {
     stopped: known && stopped(s.mode),
     start,
     hand: byHand && s.lease.mine && reachable && known && !tooSlow(s),
-    end: reachable && known && s.role !== 'viewer',
+    end: may && known,
     standby: reachable && known && s.mode === 'standby',
     calm: calmOf(s, start.user),
   };

@@ -1,10 +1,10 @@
 // Another client asks for control: the holder hands over, at standstill, or keeps it.
 import type { Actor } from '../contract/rest.gen';
-import { handOver, keepLease, notify } from '../link/console';
+import { handOver, keepLease } from '../link/console';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { t } from '../text/text';
-import { reasons, refused } from './refusal';
+import { tell } from './refusal';
 
 /** The person by name; `local` uses the computer itself, and the name says nothing. */
 export function nameOf(actor: Actor | null): string | null {
@@ -17,8 +17,7 @@ export function LeaseAsk() {
   const { motion } = useReadiness();
   if (ask === undefined) return null;
   const give = async () => {
-    const answer = await handOver(ask.client);
-    if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
+    tell(await handOver(ask.client));
   };
   return (
     <div class="trial-bar asked" role="alert">

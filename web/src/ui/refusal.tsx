@@ -1,5 +1,6 @@
 // A refusal: all reasons in words, and what to do.
 import { useEffect, useState } from 'preact/hooks';
+import { notify } from '../link/console';
 import { stillStands, toldFor_ms, useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
 import { useStore } from '../link/store';
@@ -31,6 +32,11 @@ export function useRequest(): Request {
     return answer.ok;
   };
   return { busy: under_way > 0, reply, ask, forget: () => setReply(null) };
+}
+
+/** Tells a refusal at the edge of the screen: for buttons without a place for it. */
+export function tell(answer: Reply): void {
+  if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
 }
 
 /** All reasons in words: refusals by their names, else the code of the answer. */

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { modes } from '../contract/faults.gen';
 import { signOut } from '../link/account';
-import { notify, releaseLease } from '../link/console';
+import { ensureLease, notify, releaseLease } from '../link/console';
 import { useReading } from '../link/live';
 import { batteries, useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
@@ -13,6 +13,7 @@ import { duration, fixed, noValue, t, words } from '../text/text';
 import { Icon } from './icons';
 import { LanguageChoice } from './language_choice';
 import { nameOf } from './lease_ask';
+import { tell } from './refusal';
 import './status_bar.css';
 
 const themes: readonly { id: Theme; key: 'bar.themeAuto' | 'bar.themeLight' | 'bar.themeDark' }[] = [
@@ -88,7 +89,7 @@ function Item({ label, value, old, children }: { label: string; value: string; o
 }
 
 function Control() {
-  const { lead, led } = useReadiness();
+  const { lead, led, may } = useReadiness();
   const mine = lead === 'mine';
   const who = useStore((s) => nameOf(s.lease.actor));
   const value =
@@ -103,6 +104,16 @@ function Control() {
       <span class="bar-value">{value}</span>
       <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
         {t('bar.giveBackShort')}
+      </button>
+      {/* Of a hoist that is led, whose console has gone: there is no Start to take control with. */}
+      <button
+        type="button"
+        class="link-button"
+        hidden={lead !== 'nobody' || !led || !may}
+        aria-label={`${t('bar.control')}: ${t('lease.take')}`}
+        onClick={() => void ensureLease().then(tell)}
+      >
+        {t('lease.take')}
       </button>
     </div>
   );

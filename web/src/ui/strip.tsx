@@ -13,7 +13,7 @@ import { deviceOfCan, deviceOfNode } from './device';
 import { Scroll } from './scroll';
 import { HoldButton } from './hold_button';
 import { reasonText } from '../text/server';
-import { reasons } from './refusal';
+import { tell } from './refusal';
 import { SoundButton } from './sound_button';
 import './strip.css';
 
@@ -132,7 +132,7 @@ export function Strip() {
     const reply = await acknowledge(seen.current);
     setBusy(false);
     if (reply.ok) notify('info', t('stop.released'), true);
-    else if (reply.refusals[0] !== 'kept') notify('warning', reasons(reply).join(' '), true);
+    else tell(reply);
   };
 
   const flash_ms = worst === 'calm' ? 0 : alarmSignals[worst].flash_ms;

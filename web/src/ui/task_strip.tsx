@@ -1,11 +1,11 @@
 // The chosen task on the screens where it is walked: which repetition, for how long, and how long the patient still rests.
-import { chooseTask, notify } from '../link/console';
+import { chooseTask } from '../link/console';
 import { useReading } from '../link/live';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import type { TaskState } from '../contract/rest.gen';
 import { duration, t } from '../text/text';
-import { reasons } from './refusal';
+import { tell } from './refusal';
 import { useTaskTitles } from './task_titles';
 import './task_strip.css';
 
@@ -39,7 +39,7 @@ function Strip({ task }: { task: TaskState }) {
   const phase = useReading('state', (sample) => phaseOf(task, sample?.tick ?? 0, led));
   const leave = async () => {
     const refused = await chooseTask({ task: null });
-    if (refused !== null) notify('warning', reasons(refused).join(' '), true);
+    if (refused !== null) tell(refused);
   };
   return (
     <div class="task-strip">

@@ -1,6 +1,6 @@
 // The therapist drives: take control, hold the joystick, let go to stop.
 import { useEffect, useRef } from 'preact/hooks';
-import { notify, requestMode, setParameters } from '../../link/console';
+import { requestMode, setParameters } from '../../link/console';
 import type { Exercise } from '../../contract/rest.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
@@ -10,7 +10,7 @@ import { FloorView } from '../../ui/floor_view';
 import { useHand } from '../../ui/hand';
 import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
-import { Refusal, StartBlockers, reasons, refused, useRequest } from '../../ui/refusal';
+import { Refusal, StartBlockers, tell, useRequest } from '../../ui/refusal';
 import { SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
@@ -82,8 +82,7 @@ export function DriveView() {
   }, [driving]);
 
   const choose = async (speed_m_s: number) => {
-    const answer = await setParameters({ remote_speed_m_s_max: speed_m_s });
-    if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
+    tell(await setParameters({ remote_speed_m_s_max: speed_m_s }));
   };
 
   return (
