@@ -1,6 +1,6 @@
-// Control passes from one screen to another: asked for, kept, handed over at standstill.
+// Control passes from one screen to another: asked for, kept, handed over at standstill, taken where it is free.
 import type { Page } from 'playwright-core';
-import { afterAll, beforeAll, expect, it } from 'vitest';
+import { afterAll, afterEach, beforeAll, beforeEach, expect, it } from 'vitest';
 import { minutes_ms, openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
 
@@ -10,12 +10,14 @@ const pages: Page[] = [];
 
 beforeAll(async () => {
   built = await openBuiltConsole();
-  fake = await startFakeServer({ dist: built.folder });
 }, minutes_ms);
-afterAll(async () => {
-  for (const page of pages) if (!page.isClosed()) await page.close();
+afterAll(() => built?.close());
+beforeEach(async () => {
+  fake = await startFakeServer({ dist: built.folder });
+});
+afterEach(async () => {
+  for (const page of pages.splice(0)) await page.close();
   await fake?.close();
-  await built?.close();
 });
 
 async function open([width, height]: readonly [number, number], locale: string, screen = 'drive', shown = '.mode-standby'): Promise<Page> {
@@ -59,6 +61,32 @@ it(
     await give.waitFor({ state: 'detached' });
     // Given, not taken: no alarm about it.
     expect(await driver.getByText('Another screen took over control.').count()).toBe(0);
+  },
+  minutes_ms,
+);
+
+it(
+  'stays with the screen in control, and so does its task, when a start on another screen is cancelled',
+  async () => {
+    const driver = await open([1024, 768], 'en');
+    await driver.getByRole('button', { name: 'Take control and drive' }).click();
+    await driver.locator('.pad.active').waitFor();
+    await driver.getByRole('button', { name: 'End driving' }).click();
+    await driver.evaluate(() => fetch('/api/v1/task', { method: 'PUT', body: '{"task":"straight"}' }));
+    expect(fake.hoist.task?.task).toBe('straight');
+    const holder = fake.lease.holder;
+    const other = await open([1024, 768], 'de', 'exercises');
+    await other.getByLabel('Aufgabe', { exact: true }).selectOption('square');
+    const cancel = other.getByRole('button', { name: 'Abbrechen', exact: true });
+    const start = async () => {
+      if ((await cancel.count()) === 0) await other.getByRole('button', { name: 'Aufgabe beginnen' }).click();
+      return cancel.count();
+    };
+    await expect.poll(start, { timeout: 20_000, interval: 300 }).toBe(1);
+    await cancel.click();
+    await cancel.waitFor({ state: 'detached' });
+    expect(fake.hoist.task?.task).toBe('straight');
+    expect(fake.lease.holder).toBe(holder);
   },
   minutes_ms,
 );

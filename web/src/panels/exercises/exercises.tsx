@@ -1,7 +1,7 @@
 // Clinical tasks: choose one, adjust it, say who leads, start. Where the hoist leads, hold-to-run is here; the patient leads on Walk, the
 // therapist drives on Drive, both with the line on the floor view.
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { chooseTask, notify, requestGuided, requestMode } from '../../link/console';
+import { chooseTask, ensureLease, notify, requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
 import { useQuery } from '../../link/query';
 import { tooSlow, useReadiness } from '../../link/readiness';
@@ -409,6 +409,9 @@ function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
 
   const start = async (again: boolean): Promise<Reply> => {
     if (!isChosen(plan, chosen, exercise)) {
+      // Control first: where it stays with another screen, so does that screen's task.
+      const control = await ensureLease();
+      if (!control.ok) return control;
       const refused = await chooseTask(requestOf(plan));
       if (refused !== null) return refused;
     }
