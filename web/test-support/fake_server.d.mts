@@ -2,7 +2,7 @@
 export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
-  hoist: { mode: string; faults: number; task: { task: string } | null; patient: { code: string } | null; commands: { type: string }[] };
+  hoist: { mode: string; faults: number; task: { task: string } | null; patient: { code: string } | null; commands: { type: string; mode?: string; exercise?: object | null; path?: object }[] };
   /** Who is in control: 0 for nobody. */
   lease: { holder: number };
   /** Long work that was asked for. */
@@ -19,6 +19,8 @@ export interface FakeServer {
   fault: (name: string) => void;
   /** Pages that connect from now on have this role. */
   as: (role: string) => void;
+  /** Live values that are other than in health. */
+  trouble: (change: object) => void;
   event: (kind: string, more?: object) => void;
   close: () => Promise<void>;
 }

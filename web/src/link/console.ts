@@ -391,8 +391,9 @@ export async function chooseTask(task: TaskRequest): Promise<Reply | null> {
   const { code, errors, refusals } = answer.problem;
   return { ok: false, detail: '', reason_code: code as ReasonCode, errors: [...errors], refusals: [...refusals] };
 }
-/** A start without an answer is followed by End: the hoist must not start after the screen has reported a failure. */
-export const requestMode = (mode: 'user' | 'remote', exercise: Exercise, start_again = false): Promise<Reply> =>
+/** A start without an answer is followed by End: the hoist must not start after the screen has reported a failure. Without an exercise the hoist is
+ * only moved: the one under way stays where it lies on the floor. */
+export const requestMode = (mode: 'user' | 'remote', exercise: Exercise | null, start_again = false): Promise<Reply> =>
   withLease({ type: 'mode', mode, exercise, start_again }, end);
 /** Starts GUIDED: an exercise that the hoist drives while the button is held. */
 export const requestGuided = (path: GuidedPath, start_again: boolean): Promise<Reply> =>

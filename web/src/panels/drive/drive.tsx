@@ -1,7 +1,6 @@
 // The therapist drives: take control, hold the joystick, let go to stop.
 import { useEffect, useRef } from 'preact/hooks';
 import { requestMode, setParameters } from '../../link/console';
-import type { Exercise } from '../../contract/rest.gen';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -21,7 +20,6 @@ const limits = [
   { key: 'drive.medium', speed_m_s: 0.3 },
   { key: 'drive.fast', speed_m_s: 0.6 },
 ] as const;
-const free: Exercise = { shape: 'free' };
 
 const middle: Wish = { speed: 0, yaw: 0 };
 
@@ -73,6 +71,7 @@ export function DriveView() {
   const drawn = useStore(figure);
   const task = useStore((s) => s.task);
   const exercise = useStore((s) => s.exercise);
+  const bumpers = useStore((s) => s.bumpers);
   const request = useRequest();
   const driving = mode === 'remote';
   const active = driving && ready.hand;
@@ -107,7 +106,8 @@ export function DriveView() {
           of="remote"
           startLabel={t('drive.take')}
           endLabel={t(driving ? 'drive.end' : 'walk.end')}
-          start={() => requestMode('remote', task === null ? free : exercise)}
+          // Only a chosen task is driven along its line, and not away from a bumper (decision 72).
+          start={() => requestMode('remote', task === null || bumpers !== 0 ? null : exercise)}
         />
       </div>
       <Refusal request={request} />

@@ -1,0 +1,35 @@
+// Walk and Drive in a browser with the stand-in server: what their buttons ask for.
+import type { Page } from 'playwright-core';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
+import { eachPage, minutes_ms } from '../test-support/browser';
+import type { FakeServer } from '../test-support/fake_server.mjs';
+
+const start = eachPage(1024, 768);
+let fake: FakeServer;
+let page: Page;
+beforeEach(async () => {
+  ({ fake, page } = await start());
+});
+const open = async (screen: string) => {
+  await page.goto(`${fake.url}#/${screen}`);
+  await page.locator('.mode-standby').waitFor();
+};
+const button = (name: string) => page.getByRole('button', { name, exact: true });
+const starts = () => fake.hoist.commands.filter(({ type, mode }) => type === 'mode' && mode !== 'standby');
+
+describe('Drive', { timeout: minutes_ms }, () => {
+  it.each([
+    ['without a task: the exercise stays where it lies', null, 0, null],
+    ['away from a bumper, also of a task', 'straight', 1, null],
+    ['along the line of a chosen task', 'straight', 0, { shape: 'straight', length_m: 10 }],
+  ])('starts %s', async (_, task, bumpers, exercise) => {
+    fake.trouble({ bumpers, bumpers_acknowledged: bumpers });
+    await open('drive');
+    await page.evaluate((body) => fetch('/api/v1/task', { method: 'PUT', body }), JSON.stringify({ task }));
+    if (task !== null) await page.locator('.task-strip').waitFor();
+    await button(en['drive.take']).click();
+    await page.locator('.mode-remote').waitFor();
+    expect(starts().map((one) => one.exercise)).toEqual([exercise]);
+  });
+});
