@@ -57,30 +57,30 @@ inline constexpr std::array kCalibrationSteps{
     CalibrationStepInfo{CalibrationStep::strut_length, "strut_length", Role::engineer, ParamName::calibrated_strut_length_s, "m", 0.03,
                         0.30, 3, true, "Strut length",
                         "Empty harness. Hold the bar a measured way forward of the middle, enter it, press Measure; then about twice as "
-                        "far; then as far backward (minus).",
+                        "far; then as far backward.",
                         "Strebenlänge",
                         "Leerer Gurt. Den Bügel um einen gemessenen Weg nach vorn halten, eingeben, Messen drücken; dann etwa doppelt so "
-                        "weit; dann ebenso weit nach hinten (minus)."},
+                        "weit; dann ebenso weit nach hinten."},
     CalibrationStepInfo{CalibrationStep::strut_spacing, "strut_spacing", Role::engineer, ParamName::calibrated_strut_spacing_s, "rad", 0.05,
                         0.52, 3, true, "Strut spacing",
                         "Empty harness. Hold the bar turned left by a measured angle, enter it, press Measure; then about twice as far; "
-                        "then as far to the right (minus).",
+                        "then as far to the right.",
                         "Strebenabstand",
                         "Leerer Gurt. Den Bügel um einen gemessenen Winkel nach links drehen, eingeben, Messen drücken; dann etwa doppelt "
-                        "so weit; dann ebenso weit nach rechts (minus)."},
+                        "so weit; dann ebenso weit nach rechts."},
     CalibrationStepInfo{
         CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2, false,
         "Wheel radius",
-        "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back (minus).",
+        "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back.",
         "Radradius",
-        "Die Bremsen von Hand lösen. Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück (minus)."},
+        "Die Bremsen von Hand lösen. Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück."},
     CalibrationStepInfo{CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, false,
                         "Track width",
                         "Release the brakes by hand. Turn the hoist on the spot by whole turns to the left, enter them, press Measure; "
-                        "then to the right (minus).",
+                        "then to the right.",
                         "Spurweite",
                         "Die Bremsen von Hand lösen. Das Gerät auf der Stelle um ganze Drehungen nach links drehen, eingeben, Messen "
-                        "drücken; dann nach rechts (minus)."},
+                        "drücken; dann nach rechts."},
     CalibrationStepInfo{
         CalibrationStep::square, "square", Role::engineer, ParamName::calibrated_square_s, "m", 1.0, 20.0, 2, false, "Driven squares",
         "Drive the square once turning left and once turning right. Enter how far off the shown place the hoist truly ended.",

@@ -132,6 +132,19 @@ const steps = [
     found: { wheel_radius_m: 0.0982 },
   },
   {
+    number: 8,
+    name: 'square',
+    role: 'engineer',
+    entered: { unit: 'm', least: 1, most: 20 },
+    date: 'calibrated_square_s',
+    title: { en: 'Driven squares', de: 'Gefahrene Quadrate' },
+    action: {
+      en: 'Drive the square once turning left and once turning right. Enter how far off the shown place the hoist truly ended.',
+      de: 'Das Quadrat einmal linksherum und einmal rechtsherum fahren. Eingeben, wie weit das Gerät wirklich von der angezeigten Stelle entfernt endete.',
+    },
+    found: { track_width_m: 0.68 },
+  },
+  {
     number: 10,
     name: 'bumpers',
     role: 'therapist',
@@ -594,6 +607,9 @@ export function startFakeServer({
       calibration_done_percent: Math.min(100, step.entered ? 50 * measured : ticks / 4),
     };
   };
+  /** What is found; each measurement of an entered value after the second one changes it. */
+  const foundNow = ({ step, measured }) =>
+    Object.fromEntries(Object.entries(step.found).map(([name, value]) => [name, step.entered === null ? value : value + 0.001 * (measured - 2)]));
   const endTrial = (keep) => {
     const { before } = hoist.trial;
     hoist.trial = null;
@@ -853,9 +869,10 @@ export function startFakeServer({
     calibrate_use() {
       if (calibrationPhase() !== 4) return refuse('out_of_order');
       const { step } = hoist.calibration;
+      const found = foundNow(hoist.calibration);
       hoist.calibration = null;
       setMode('standby');
-      return setValues({ ...step.found, [step.date]: Math.floor(Date.now() / 1000) });
+      return setValues({ ...found, [step.date]: Math.floor(Date.now() / 1000) });
     },
     calibrate_cancel() {
       hoist.calibration = null;
@@ -1092,7 +1109,7 @@ export function startFakeServer({
             : {
                 step: under.name,
                 phase,
-                result: phase !== 'result' ? [] : Object.entries(under.found).map(([name, value]) => ({ name, value, before: values[name] })),
+                result: phase !== 'result' ? [] : Object.entries(foundNow(hoist.calibration)).map(([name, value]) => ({ name, value, before: values[name] })),
               },
         items: steps.map(({ name, role, entered, empty_harness = false, title, action, date }) => ({
           name,

@@ -1,7 +1,9 @@
 import { describe, expect, it } from 'vitest';
-import { entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now } from '../src/panels/calibrate/model';
+import { directed, entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now } from '../src/panels/calibrate/model';
 import type { Calibration, CalibrationItem, CalibrationStep } from '../src/contract/rest.gen';
+import { calibrate } from '../src/text/calibrate';
 import { textOf } from '../src/text/text';
+import { eachPage, minutes_ms } from '../test-support/browser';
 
 const now = (change: Partial<Now>): Now => ({ step: 'zero', phase: 'operator', done_percent: 0, reason: 0, value: 0, ...change });
 const step = (name: CalibrationStep, role: CalibrationItem['role']): CalibrationItem => ({
@@ -60,5 +62,53 @@ describe('the Calibrate screen', () => {
     expect(entry('wheel_radius')).toEqual({ factor: 1, unit: 'm' });
     expect(watched(now({ step: 'track', value: 4 * Math.PI }))?.value).toBeCloseTo(2);
     expect(watched(now({ step: 'square' }))).toBeNull();
+  });
+
+  it('takes a size with its chosen direction, with or without a minus', () => {
+    expect(['2,5', '-2.5', '0'].map((text) => directed(text, true))).toEqual([-2.5, -2.5, -0]);
+    expect(['2,5', '0'].map((text) => directed(text, false))).toEqual([2.5, 0]);
+    for (const [text, reversed] of [
+      ['-2', false],
+      ['', true],
+      ['far', true],
+    ] as const)
+      expect(directed(text, reversed), text).toBeNaN();
+  });
+});
+
+describe('driven squares', { timeout: minutes_ms }, () => {
+  const start = eachPage(1280, 800);
+  it('are entered without a minus; each further one shows its result before it can be used', async () => {
+    const { fake, page } = await start();
+    await page.goto(`${fake.url}#/calibrate/square`);
+    await page.locator('.mode-standby').waitFor();
+    const words = calibrate.en;
+    const press = (name: string) => page.getByRole('button', { name, exact: true }).click();
+    const off = (axis: number) => page.locator('.calibrate-off').nth(axis);
+    const measure = async () => {
+      await page.locator('input[name=figure]').fill('4');
+      await page.locator('input[name=x]').fill('3');
+      await off(0).getByRole('radio', { name: words['calibrate.rear'] }).click();
+      await page.locator('input[name=y]').fill('1.5');
+      await press(words['calibrate.measure']);
+    };
+    await press(words['calibrate.start']);
+    await measure();
+    await page.getByText(words['calibrate.now.squareRight']).waitFor();
+    await measure();
+    const sent = fake.hoist.commands.filter(({ type }) => type === 'calibrate_measure');
+    const square = { figure: 4, x_m: -0.03, y_m: 0.015 };
+    expect(sent).toMatchObject([
+      { ...square, turning: 'left' },
+      { ...square, turning: 'right' },
+    ]);
+    const found = page.locator('.calibrate-changes td strong');
+    await page.getByText('0.6800 m').waitFor();
+    await page.getByText(words['calibrate.again']).click();
+    await measure();
+    await page.getByText('0.6810 m').waitFor();
+    expect(await found.allTextContents()).toEqual(['0.6810 m']);
+    await press(words['calibrate.use']);
+    await page.locator('.mode-standby').waitFor();
   });
 });

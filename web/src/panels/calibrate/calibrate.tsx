@@ -5,18 +5,19 @@ import type { Calibration, CalibrationItem, CalibrationMeasure, CalibrationState
 import { calibrate, calibrateCancel, calibrateMeasure, calibrateUse, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
 import { useReading } from '../../link/live';
-import { rest } from '../../link/rest';
+import { rest, type Answer } from '../../link/rest';
 import type { Reply } from '../../link/socket';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
+import type { TextKey } from '../../text/en';
 import { useSettings } from '../../text/settings';
-import { date, fixed, noValue, readNumber, shownAs, t, words, withUnit } from '../../text/text';
+import { date, fixed, noValue, shownAs, t, words, withUnit } from '../../text/text';
 import { HoldButton } from '../../ui/hold_button';
 import { Refusal, useRequest } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
-import { entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Now, type StepName } from './model';
+import { directed, entry, nowKey, phaseNames, resultOf, stepNames, stepsFor, watched, type Now, type StepName } from './model';
 import { StepPicture } from './picture';
 import './calibrate.css';
 
@@ -109,7 +110,37 @@ function Measure(field: { label: string; name: string; unit: string; value: stri
   );
 }
 
-/** Input of a measured value. The direction is a choice, so that no minus sign is needed. */
+/** A choice of two directions, so that no minus sign is needed: the number keys of a phone have none. */
+function Direction({ label, names, value, onValue }: { label: string; names: readonly [TextKey, TextKey]; value: boolean; onValue: (reversed: boolean) => void }) {
+  return (
+    <div class="choice" role="radiogroup" aria-label={label} onKeyDown={radioKeys}>
+      {names.map((name, i) => (
+        <button key={name} type="button" role="radio" aria-checked={value === (i === 1)} onClick={() => onValue(i === 1)}>
+          {t(name)}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+interface Off {
+  text: string;
+  reversed: boolean;
+}
+const nothing: Off = { text: '', reversed: false };
+
+/** How far off the shown place a square ended, along one axis. */
+function OffPlace({ name, names, labels, off, onOff }: { name: string; names: readonly [TextKey, TextKey]; labels: readonly [TextKey, TextKey]; off: Off; onOff: (off: Off) => void }) {
+  const label = t(labels[off.reversed ? 1 : 0]);
+  return (
+    <div class="calibrate-off">
+      <Measure label={label} name={name} unit="cm" value={off.text} onValue={(text) => onOff({ ...off, text })} />
+      <Direction label={label} names={names} value={off.reversed} onValue={(reversed) => onOff({ ...off, reversed })} />
+    </div>
+  );
+}
+
+/** Input of a measured value. */
 function Entry({
   step,
   second,
@@ -122,25 +153,25 @@ function Entry({
   onMeasure: (message: CalibrationMeasure) => Promise<boolean>;
 }) {
   const [figure, setFigure] = useState('');
-  const [x, setX] = useState('');
-  const [y, setY] = useState('');
+  const [x, setX] = useState(nothing);
+  const [y, setY] = useState(nothing);
   const [back, setBack] = useState(second);
   useEffect(() => setBack(second), [second]);
   const { factor, unit } = entry(step);
   const square = step === 'square';
-  const size = readNumber(figure);
-  const values = square ? [size, readNumber(x), readNumber(y)] : [size];
-  const ready = values.every((value) => Number.isFinite(value)) && size > 0;
+  const measured = directed(figure, back);
+  const [x_cm, y_cm] = [x, y].map(({ text, reversed }) => directed(text, reversed)) as [number, number];
+  const ready = (square ? [measured, x_cm, y_cm] : [measured]).every((value) => Number.isFinite(value)) && measured !== 0;
   const turns = step === 'strut_spacing' || step === 'track' || square;
   const send = async () => {
     const message: CalibrationMeasure = square
-      ? { figure: size, x_m: readNumber(x) / 100, y_m: readNumber(y) / 100, turning: back ? 'right' : 'left' }
-      : { figure: (back ? -1 : 1) * size * factor };
+      ? { figure: Math.abs(measured), x_m: x_cm / 100, y_m: y_cm / 100, turning: back ? 'right' : 'left' }
+      : { figure: measured * factor };
     if (!(await onMeasure(message))) return;
     // The next measurement has another distance, which must be entered again.
     setFigure('');
-    setX('');
-    setY('');
+    setX(nothing);
+    setY(nothing);
   };
   return (
     <form
@@ -150,18 +181,17 @@ function Entry({
         if (ready && !busy) void send();
       }}
     >
-      <div class="choice" role="radiogroup" aria-label={t('calibrate.direction')} onKeyDown={radioKeys}>
-        {[false, true].map((way) => (
-          <button key={String(way)} type="button" role="radio" aria-checked={back === way} onClick={() => setBack(way)}>
-            {t(turns ? (way ? 'calibrate.right' : 'calibrate.left') : way ? 'calibrate.backward' : 'calibrate.forward')}
-          </button>
-        ))}
-      </div>
+      <Direction
+        label={t('calibrate.direction')}
+        names={turns ? ['calibrate.left', 'calibrate.right'] : ['calibrate.forward', 'calibrate.backward']}
+        value={back}
+        onValue={setBack}
+      />
       <Measure label={t(square ? 'calibrate.side' : 'calibrate.measured')} name="figure" unit={unitText(unit)} value={figure} onValue={setFigure} />
       {square ? (
         <>
-          <Measure label={t('calibrate.ahead')} name="x" unit="cm" value={x} onValue={setX} />
-          <Measure label={t('calibrate.leftOf')} name="y" unit="cm" value={y} onValue={setY} />
+          <OffPlace name="x" names={['calibrate.front', 'calibrate.rear']} labels={['calibrate.ahead', 'calibrate.behind']} off={x} onOff={setX} />
+          <OffPlace name="y" names={['calibrate.left', 'calibrate.right']} labels={['calibrate.leftOf', 'calibrate.rightOf']} off={y} onOff={setY} />
         </>
       ) : null}
       <button type="submit" class="primary big" disabled={!ready || busy}>
@@ -203,13 +233,24 @@ function Guide({
   const running = now !== null && now.step === step;
   const phase = running ? now.phase : 'none';
   useEffect(request.forget, [step]);
-  const found = useQuery(phase === 'result' && connected ? () => rest('GET /api/v1/calibration') : null, [step]);
+  // Each measurement changes the result, also that of a step that has one already.
+  const [measures, setMeasures] = useState(0);
+  const read = async (): Promise<Answer<{ after: number; table: Calibration }>> => {
+    const answer = await rest('GET /api/v1/calibration');
+    return answer.ok ? { ok: true, value: { after: measures, table: answer.value } } : answer;
+  };
+  const found = useQuery(phase === 'result' && connected ? read : null, [step, measures]);
   // Null until the values are on screen: a result can be used only after it has been shown.
-  const changes = found.value === null ? null : resultOf(found.value, step);
-  const failed = found.problem !== null || (found.value !== null && changes === null);
+  const changes = found.value === null || found.value.after !== measures ? null : resultOf(found.value.table, step);
+  const failed = found.problem !== null || (found.value?.after === measures && changes === null);
 
   const use = async () => {
     if (await ask(calibrateUse)) notify('info', t('calibrate.used', { name: words(item.title) }), true);
+  };
+  const measure = async (message: CalibrationMeasure): Promise<boolean> => {
+    const done = await ask(() => calibrateMeasure(message));
+    if (done) setMeasures((n) => n + 1);
+    return done;
   };
   const begin = (harness_empty: boolean) => void ask(() => calibrate(step, harness_empty));
   const key = running ? nowKey(now) : null;
@@ -265,7 +306,7 @@ function Guide({
       {running && item.entered !== null && (phase === 'operator' || phase === 'result') ? (
         <details open={phase === 'operator'} class="calibrate-more">
           <summary>{t(phase === 'operator' ? 'calibrate.enter' : 'calibrate.again')}</summary>
-          <Entry step={step} second={second} busy={busy} onMeasure={(message) => ask(() => calibrateMeasure(message))} />
+          <Entry step={step} second={second} busy={busy} onMeasure={measure} />
         </details>
       ) : null}
       <div class="calibrate-buttons">

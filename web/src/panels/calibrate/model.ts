@@ -2,7 +2,7 @@
 import type { Calibration, CalibrationItem, CalibrationState, CalibrationStep } from '../../contract/rest.gen';
 import { calibrate as texts } from '../../text/calibrate';
 import type { TextKey } from '../../text/en';
-import { addTexts } from '../../text/text';
+import { addTexts, readNumber } from '../../text/text';
 
 addTexts(texts);
 
@@ -82,6 +82,13 @@ export function entry(step: StepName): { factor: number; unit: 'm' | '°' | 'tur
   if (step === 'track') return { factor: 2 * Math.PI, unit: 'turns' };
   if (step === 'strut_spacing') return { factor: Math.PI / 180, unit: '°' };
   return { factor: 1, unit: 'm' };
+}
+
+/** A typed size with the direction that is chosen beside it. Those who type a minus for the reverse direction mean the same. NaN: not usable. */
+export function directed(text: string, reversed: boolean): number {
+  const number = readNumber(text);
+  if (reversed) return -Math.abs(number);
+  return number >= 0 ? number : NaN;
 }
 
 /** The live value of this step, in its shown unit; null without one. */
