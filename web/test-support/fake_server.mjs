@@ -1213,7 +1213,9 @@ export function startFakeServer({
     }
     if (path === '/patients') {
       const q = (url.searchParams.get('q') ?? '').toLowerCase();
-      return send(200, { items: patients.filter(({ code, archived }) => !archived && code.toLowerCase().includes(q)), next: null });
+      const archived = url.searchParams.get('archived');
+      const wanted = (one) => one.code.toLowerCase().includes(q) && (archived === null || one.archived === (archived === '1'));
+      return send(200, { items: patients.filter(wanted), next: null });
     }
     const [, lineId] = /^\/lines(?:\/(\d+))?$/.exec(path) ?? [];
     if (path === '/lines' && request.method === 'GET') return send(200, { items: lines, next: null });

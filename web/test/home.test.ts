@@ -90,6 +90,36 @@ describe('Home', { timeout: minutes_ms }, () => {
     await page.locator('.home-code', { hasText: 'Z-99' }).waitFor();
   });
 
+  it('finds archived patients by their code, marks them, and offers neither to choose them nor their code as new', async () => {
+    await page.evaluate(async () => {
+      for (const id of [4, 5]) await fetch(`/api/v1/patients/${id}`, { method: 'PATCH', body: '{"archived":true}' });
+    });
+    await page.reload();
+    const row = (code: string) => page.locator('.home .rows li', { hasText: code });
+    // With a visit today.
+    await row('P-017').getByText(en['patient.archived']).waitFor();
+    expect(await row('P-017').getByRole('button').count()).toBe(0);
+    expect(await row('K-07').getByRole('button').count()).toBe(1);
+    expect(await rows()).not.toContain('P-016');
+    await page.locator('.home input[type=search]').fill('p-016');
+    await row('P-016').getByText(en['patient.archived']).waitFor();
+    expect(await row('P-016').getByRole('button').count()).toBe(0);
+    expect(await page.locator('.home-new').count()).toBe(0);
+  });
+
+  it('offers to enter a damaged name again', async () => {
+    await page.route('**/api/v1/patients/5/identity', (route) =>
+      route.request().method() === 'GET' ? route.fulfill({ json: { state: 'damaged', identity: null, etag: 'p5' } }) : route.continue(),
+    );
+    await page.goto(`${fake.url}#/patients/5`);
+    await page.getByRole('button', { name: en['patient.show'] }).click();
+    await page.getByText(en['patient.damaged']).waitFor();
+    await page.getByLabel(en['patient.fullName']).fill('Erika Muster');
+    await page.unroute('**/api/v1/patients/5/identity');
+    await page.getByRole('form', { name: en['patient.identity'] }).getByRole('button', { name: en['common.save'] }).click();
+    await page.locator('.patient-known', { hasText: 'Erika Muster' }).waitFor();
+  });
+
   it('asks for no name before someone wants to see it, and forgets it on leaving the page', async () => {
     const asked: string[] = [];
     page.on('request', (request) => asked.push(new URL(request.url()).pathname));

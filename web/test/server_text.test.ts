@@ -65,6 +65,9 @@ describe('reasons of a refusal', () => {
     );
     const problem = { status: 422, code: 'invalid', refusals: [], errors: [{ field: 'note', message: 'must be plain text' }], wait_s: null };
     expect(problemText(problem)).toBe('Die Notiz ist zu lang.');
+    expect(problemText({ ...problem, code: 'taken', errors: [{ field: 'code', message: 'another patient has this code already' }] })).toBe(
+      'Diese Bezeichnung gibt es schon.',
+    );
     expect(problemText({ ...problem, errors: [] })).toBe('Dieser Wert ist nicht brauchbar.');
     expect(problemText({ ...problem, code: 'something_new', errors: [] })).toMatch(/abgelehnt/);
   });

@@ -52,7 +52,7 @@ describe('the message files', () => {
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,
     // role.R, unit.U, history.how.HOW.
-    const whole = ['patient.key_missing', 'patient.key_foreign', 'patient.damaged'];
+    const whole = ['patient.key_missing', 'patient.key_foreign'];
     const begins = /^(?:exercise|priority|event|health\.part|refused|invalid|role|unit|users\.may|tokens\.scope|audit|marker|history\.how)\./;
     const built = { test: (key: string) => whole.includes(key) || begins.test(key) };
     const unused = [...Object.keys(first.en), ...Object.keys(all.en)].filter((key) => !built.test(key) && !source.includes(`'${key}'`));

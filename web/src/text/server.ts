@@ -11,6 +11,8 @@ export const reasonText = (code: string | null | undefined): string | null =>
 /** All texts of a problem of a plain request. Fields are named by their own texts where they have one. */
 export function problemText({ refusals, errors, code }: Problem): string {
   if (refusals.length > 0) return refusals.map(refusalText).join(' ');
+  // A code in use is no code against the rules.
+  if (code === 'taken') return words(reasons.taken);
   const field = errors.map((error) => textOf(`invalid.${error.field}`)).find((text) => text !== null);
   return field ?? reasonText(code) ?? t('refused.unknown');
 }

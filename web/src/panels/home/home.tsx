@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { choosePatient, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
-import { rest, type Problem } from '../../link/rest';
+import { rest, wholeList, type Problem } from '../../link/rest';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { addressOf } from '../../router';
@@ -19,6 +19,7 @@ const pageSize = 200;
 const codeMost = 64;
 const typing_ms = 250;
 
+/** Archived ones are found by their code, and only so: a code that exists must not look free. */
 function usePatients(search: string, again: string) {
   const [sought, setSought] = useState('');
   useEffect(() => {
@@ -26,7 +27,7 @@ function usePatients(search: string, again: string) {
     return () => window.clearTimeout(timer);
   }, [search]);
   return useQuery(
-    () => rest('GET /api/v1/patients', { query: { limit: pageSize, archived: 0, q: sought === '' ? undefined : sought } }),
+    () => rest('GET /api/v1/patients', { query: { limit: pageSize, ...(sought === '' ? { archived: 0 } : { q: sought }) } }),
     [sought, again],
   );
 }
@@ -43,6 +44,7 @@ export function HomeView() {
   const again = `${recording} ${chosen?.code ?? ''}`;
   const patients = usePatients(search.trim(), again);
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { limit: pageSize } }), [again]);
+  const archived = useQuery(() => wholeList((query) => rest('GET /api/v1/patients', { query: { ...query, archived: 1 } })), [again]);
   const may = reachable && role !== 'viewer' && !led && !busy;
 
   const act = async (what: () => Promise<Problem | null>) => {
@@ -124,6 +126,7 @@ export function HomeView() {
               patient={{ id: visit.patient, code: visit.code }}
               line={sessionsText(visit)}
               here={visit.patient === chosen?.id}
+              archived={archived.value?.items.some(({ id }) => id === visit.patient) === true}
               may={may}
               choose={choose}
             />
@@ -132,7 +135,15 @@ export function HomeView() {
         {others.length > 0 && seen.length > 0 ? <h2>{t('home.others')}</h2> : null}
         <ul class="rows">
           {others.map((patient) => (
-            <Row key={patient.id} patient={patient} line={lastText(patient)} here={patient.id === chosen?.id} may={may} choose={choose} />
+            <Row
+              key={patient.id}
+              patient={patient}
+              line={lastText(patient)}
+              here={patient.id === chosen?.id}
+              archived={patient.archived}
+              may={may}
+              choose={choose}
+            />
           ))}
         </ul>
         {loaded && seen.length + others.length === 0 ? <p class="hint">{t(typed === '' ? 'home.empty' : 'home.notFound')}</p> : null}
@@ -162,12 +173,14 @@ function Row({
   patient,
   line,
   here,
+  archived,
   may,
   choose,
 }: {
   patient: { id: number; code: string };
   line: string;
   here: boolean;
+  archived: boolean;
   may: boolean;
   choose: (patient: number) => void;
 }) {
@@ -180,6 +193,8 @@ function Row({
       <div class="row-buttons">
         {here ? (
           <span class="home-here">{t('home.chosen')}</span>
+        ) : archived ? (
+          <span class="hint">{t('patient.archived')}</span>
         ) : (
           <button
             type="button"

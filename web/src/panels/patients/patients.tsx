@@ -156,7 +156,7 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
           <p class="hint">{asked.problem === null ? t('common.loading') : ''}</p>
           <Trouble problem={asked.problem} retry={asked.retry} />
         </>
-      ) : known.state !== 'none' && known.state !== 'readable' ? (
+      ) : known.state === 'key_missing' || known.state === 'key_foreign' ? (
         <p class="form-error" role="alert">
           {t(`patient.${known.state}`)}
         </p>
@@ -181,6 +181,11 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
         </div>
       ) : (
         <Form onSend={() => void save()} label={t('patient.identity')}>
+          {known.state === 'damaged' ? (
+            <p class="form-error" role="alert">
+              {t('patient.damaged')}
+            </p>
+          ) : null}
           <Field label={t('patient.fullName')} value={draft?.name ?? ''} most={nameMost} onValue={(name) => set({ name })} />
           <label class="field">
             <span>{t('patient.birth')}</span>
@@ -193,7 +198,7 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
             missing={(draft?.name ?? '').trim() === '' ? [t('patient.fullName')] : []}
             close={() => {
               setDraft(null);
-              if (known.state === 'none') setShown(false);
+              if (known.state !== 'readable') setShown(false);
             }}
           />
         </Form>
