@@ -117,6 +117,26 @@ describe('the note of a visit', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('the first note of a visit', { timeout: minutes_ms }, () => {
+  it('stays while the connection is lost', async () => {
+    await open('patients/1');
+    const note = page.getByLabel(en['visit.note']).first();
+    await note.fill('Walked well');
+    await fake.close();
+    await page.getByText(en['strip.lost']).first().waitFor();
+    expect(await note.isDisabled()).toBe(true);
+    expect(await note.inputValue()).toBe('Walked well');
+  });
+
+  it('that is refused after the page was left is told', async () => {
+    await open('patients/1');
+    await page.route('**/api/v1/visits/11', (route) => route.fulfill({ status: 503, json: { type: '/problems/storage', title: '', status: 503 } }));
+    await page.getByLabel(en['visit.note']).first().fill('Walked well');
+    await page.goto(`${fake.url}#/health`);
+    await page.locator('.notice.error', { hasText: en['sessions.notSaved'] }).waitFor();
+  });
+});
+
 describe('the trend', { timeout: minutes_ms }, () => {
   it('says what is learnt, breaks its line where a value is not valid, says why, and leaves the simulation out', async () => {
     await open('patients/5');

@@ -72,7 +72,7 @@ export const de: Table = {
   'trend.simulatedOne': '1 Aufzeichnung der Simulation zählt nicht mit.',
   'trend.simulated': '{n} Aufzeichnungen der Simulation zählen nicht mit.',
   'patient.data': 'Archivieren oder löschen',
-  'patient.archiveText': 'Archivierte Patienten stehen nicht mehr in der Liste. Alle Aufnahmen bleiben.',
+  'patient.archiveText': 'Archivierte Patienten stehen nicht mehr in der Liste; die Suche findet ihr Kürzel. Alle Aufnahmen bleiben.',
   'patient.restoreText': 'Dieser Patient steht nicht in der Liste. Alle Aufnahmen sind noch da.',
   'patient.archive': 'Archivieren',
   'patient.unarchive': 'Zurück in die Liste',

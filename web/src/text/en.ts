@@ -77,7 +77,7 @@ export const en = {
   'trend.simulatedOne': '1 recording of the simulation is left out.',
   'trend.simulated': '{n} recordings of the simulation are left out.',
   'patient.data': 'Archive or delete',
-  'patient.archiveText': 'An archived patient is no longer in the list. All recordings stay.',
+  'patient.archiveText': 'Archived patients are no longer in the list; the search finds their codes. All recordings stay.',
   'patient.restoreText': 'This patient is not in the list. All recordings are kept.',
   'patient.archive': 'Archive',
   'patient.unarchive': 'Back to the list',

@@ -70,7 +70,7 @@ export function TextField({
           onBlur={() => void save()}
           onKeyDown={(event) => event.key === 'Enter' && void save()}
         />
-        <button type="button" class="plain" disabled={!changed} onClick={() => void save()}>
+        <button type="button" class="plain" disabled={disabled || !changed} onClick={() => void save()}>
           {t('common.save')}
         </button>
       </span>

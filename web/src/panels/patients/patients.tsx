@@ -1,6 +1,6 @@
 // One patient: the identity on request, visits with their sessions, and what becomes of the data. The list is on Home.
 import { Fragment } from 'preact';
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Patient, Person, Session, VisitRow } from '../../contract/rest.gen';
 import { choosePatient, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
@@ -8,6 +8,7 @@ import { address, rest, type Answer, type Problem } from '../../link/rest';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
+import { problemText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { date, dayText, duration, noValue, t } from '../../text/text';
 import { Field, Form, Trouble } from '../../ui/field';
@@ -257,15 +258,20 @@ function Visits({ id, code, again, may }: { id: number; code: string; again: str
 
 /** What people write about a visit. Saved for the note that was shown: another person's is never overwritten unseen. */
 function VisitNote({ visit, may, onChange }: { visit: VisitRow; may: boolean; onChange: () => void }) {
+  const role = useStore((s) => s.role);
   const [problem, setProblem] = useState<Problem | null>(null);
+  const here = useRef(true);
+  useEffect(() => () => void (here.current = false), []);
   const save = async (note: string, etag: string | undefined): Promise<boolean> => {
     const answer = await rest('PATCH /api/v1/visits/{id}', { path: { id: visit.id }, body: { note }, etag: etag ?? visit.etag });
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) notify('info', 'sessions.saved');
+    else if (!here.current) notify('error', `${t('sessions.notSaved')} ${problemText(answer.problem)}`, true);
     onChange();
     return answer.ok;
   };
-  if (!may && visit.note === '') return null;
+  // Not while the connection is lost: what is being typed stays.
+  if (role === 'viewer' && visit.note === '') return null;
   return (
     <>
       <TextField label={t('visit.note')} value={visit.note} version={visit.etag} most={noteMost} disabled={!may} onSave={save} />
