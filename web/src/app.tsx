@@ -14,6 +14,7 @@ import { Icon } from './ui/icons';
 import { Lazy, LoadFailed, Loading, useLazy } from './ui/lazy';
 import { LeaseAsk, nameOf } from './ui/lease_ask';
 import { Question } from './ui/question';
+import { tell } from './ui/refusal';
 import { StatusBar } from './ui/status_bar';
 import { StopButton } from './ui/stop_button';
 import { Strip } from './ui/strip';
@@ -217,7 +218,7 @@ function TakeOver({ answer }: { answer: (yes: boolean) => void }) {
             class="big"
             onClick={() => {
               answer(false);
-              void askLease();
+              void askLease().then(tell);
             }}
           >
             {t('lease.ask')}

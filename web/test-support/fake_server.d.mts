@@ -11,6 +11,8 @@ export interface FakeServer {
   finishJobs: () => void;
   /** The next job of this kind fails with this reason. */
   failNext: (kind: string, reason: string) => void;
+  /** Messages of this type are refused from now on. */
+  refuse: (type: string, reason: string) => void;
   /** The rehearsal is in another state. */
   rehearse: (state: object) => void;
   /** A marker of session 3 is this result. */

@@ -458,6 +458,7 @@ export function startFakeServer({
   const studies = [studyOf(1, 11, 1)];
   const jobs = [];
   let failing = null;
+  let refusing = null;
   let hurry = false;
   const backups = [
     {
@@ -891,8 +892,10 @@ export function startFakeServer({
     else if (message.type === 'stop') stopNow();
     else if (message.type === 'drive') {
       if (lease.holder === id) hoist.drive = { ...message, tick: hoist.tick };
-    } else if (message.type in commands)
-      socket.send(JSON.stringify({ type: 'reply', request: message.request, ...commands[message.type](message, id) }));
+    } else if (message.type in commands) {
+      const reply = refusing?.type === message.type ? refuse(refusing.reason) : commands[message.type](message, id);
+      socket.send(JSON.stringify({ type: 'reply', request: message.request, ...reply }));
+    }
   };
 
   const sampleColumn = (name, i, id) => {
@@ -1462,6 +1465,7 @@ export function startFakeServer({
         /** The rehearsal on this hoist is in another state, or its result is the marker of session 3. */
         rehearse: (state) => Object.assign(rehearsal, state),
         markRehearsal: (result) => Object.assign(markers[1], { text: 'Rehearsal, simulated hoist: …', rehearsal: result }),
+        refuse: (type, reason) => (refusing = { type, reason }),
         failNext: (kind, reason) => (failing = { kind, reason }),
         trouble: (change) => (hoist.trouble = change),
         standing: (items) => {

@@ -47,6 +47,18 @@ describe('the history on Tune', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('a value that is typed on Tune', { timeout: minutes_ms }, () => {
+  it.each([
+    ['9999', 'Build-up strength: The value is outside its range. Allowed: '],
+    ['abc', `Build-up strength: ${en['tune.number']}`],
+  ])('and cannot be set is told also after leaving the screen: %s', async (text, told) => {
+    await open('tune');
+    await page.locator('input[name=lean_gain_filtered_units]').fill(text);
+    await page.goto(`${fake.url}#/health`);
+    await page.locator('.notice.warning', { hasText: told }).waitFor();
+  });
+});
+
 describe('the suggestions on Tune', { timeout: minutes_ms }, () => {
   const sent = () => fake.hoist.commands.filter(({ type }) => type === 'set').length;
 

@@ -33,7 +33,7 @@ it(
   async () => {
     const driver = await open([1024, 768], 'en');
     const other = await open([390, 844], 'de');
-    const ask = async () => {
+    const press = async () => {
       const question = other.getByRole('button', { name: 'Anfragen' });
       // A press right after the button was End counts for nothing (firm_click.ts).
       const start = async () => {
@@ -42,6 +42,9 @@ it(
       };
       await expect.poll(start, { timeout: 20_000, interval: 300 }).toBe(1);
       await question.click();
+    };
+    const ask = async () => {
+      await press();
       await driver.getByText('Another screen asks for control.').waitFor();
     };
     await driver.getByRole('button', { name: 'Take control and drive' }).click();
@@ -50,6 +53,10 @@ it(
     await driver.getByRole('button', { name: 'End driving' }).click();
     await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).waitFor();
     const holder = fake.lease.holder;
+    fake.refuse('lease_ask', 'core_gone');
+    await press();
+    await other.locator('.notice.warning', { hasText: 'Der Steuerrechner antwortet nicht.' }).waitFor();
+    fake.refuse('', '');
     await ask();
     await driver.getByRole('button', { name: 'Keep', exact: true }).click();
     await other.getByText('Der andere Bildschirm behält die Steuerung.').waitFor();

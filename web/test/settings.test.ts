@@ -128,3 +128,13 @@ describe('many sessions as one file', { timeout: minutes_ms }, () => {
     await page.getByText('No session fits. Choose other days or another patient').waitFor();
   });
 });
+
+describe('signing out', { timeout: minutes_ms }, () => {
+  it('that does not work says so', async () => {
+    await open('settings/me');
+    await button(en['signin.out']).waitFor();
+    await fake.close();
+    await button(en['signin.out']).click();
+    await page.locator('.settings-part .form-error', { hasText: en['refused.link_lost'] }).waitFor();
+  });
+});

@@ -327,9 +327,10 @@ export const releaseLease = (): Promise<Reply> => {
   return link.request({ type: 'lease_release' });
 };
 /** The holder sees who asks. */
-export const askLease = async (): Promise<void> => {
+export const askLease = async (): Promise<Reply> => {
   const reply = await link.request({ type: 'lease_ask' });
   if (reply.ok) notify('info', 'lease.asked');
+  return reply;
 };
 export const keepLease = (): Promise<Reply> => link.request({ type: 'lease_keep' });
 export const handOver = async (client: number): Promise<Reply> => {

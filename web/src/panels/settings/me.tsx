@@ -17,18 +17,20 @@ export function MeSection() {
   const role = useStore((s) => s.role);
   const person = useStore((s) => s.person);
   const account = useStore((s) => s.account);
+  const [problem, setProblem] = useState<Problem | null>(null);
   return (
     <>
       <section class="card">
         <h2>{person ?? t('users.local')}</h2>
         <p class="hint">{textOf(`role.${role}`) ?? ''}</p>
         {account ? (
-          <button type="button" class="plain" onClick={() => void signOut()}>
+          <button type="button" class="plain" onClick={() => void signOut().then(setProblem)}>
             {t('signin.out')}
           </button>
         ) : (
           <p class="hint">{t('users.localHint')}</p>
         )}
+        <Trouble problem={problem} />
       </section>
       {account ? <PasswordCard /> : null}
       {account ? <PinCard /> : null}

@@ -50,15 +50,18 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
   const begun = useRef<number | null>(null); // value in force when the change began: what Undo goes back to
   const touches = useRef(0); // an answer must not overwrite later input
 
-  // Leaving the screen right after moving a slider still applies its value.
-  useEffect(
-    () => () => {
-      if (timer.current !== null) window.clearTimeout(timer.current);
-      if (drawn.current === null) return;
-      void send(row, drawn.current).then((reply) => refused(reply) && notify('warning', `${words(row.title)}: ${reasons(reply).join(' ')}`, true));
-    },
-    [],
-  );
+  const here = useRef(true);
+  const entered = useRef<string | null>(null); // text that was typed and sent
+  // Leaving the screen right after moving a slider or typing still applies the value.
+  const leave = useRef(() => {});
+  leave.current = () => {
+    here.current = false;
+    if (drawn.current !== null) void apply(drawn.current);
+    else if (draft !== null && (draft !== entered.current || !Number.isFinite(readNumber(draft)))) enter();
+  };
+  useEffect(() => () => leave.current(), []);
+  /** At the row; at the edge of the screen when its row is left. */
+  const fail = (text: string) => (here.current ? setError(text) : notify('warning', `${words(row.title)}: ${text}`, true));
   const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
@@ -72,6 +75,7 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
     const asked = touches.current;
     const reply = await send(row, si);
     if (reply.ok && !same(before, si)) setUndo(before);
+    if (!here.current && refused(reply)) fail(why(reply));
     if (touches.current !== asked) return;
     setSlide(null);
     // Control left where it is: what was typed is not in force, so it must not stand there as if it were.
@@ -94,9 +98,10 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
   };
   const enter = () => {
     if (draft === null) return;
+    entered.current = draft;
     const number = readNumber(draft);
     if (!Number.isFinite(number)) {
-      setError(t('tune.number'));
+      fail(t('tune.number'));
       return;
     }
     const si = number / show.factor;
