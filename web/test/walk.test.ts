@@ -33,3 +33,17 @@ describe('Drive', { timeout: minutes_ms }, () => {
     expect(starts().map((one) => one.exercise)).toEqual([exercise]);
   });
 });
+
+describe('Walk', { timeout: minutes_ms }, () => {
+  it('keeps task and size when the exercise that is chosen already is pressed', async () => {
+    await open('walk');
+    await page.evaluate(() => fetch('/api/v1/task', { method: 'PUT', body: '{"task":"square","sizes":{"side_m":2.5}}' }));
+    await page.locator('.task-strip').waitFor();
+    const radio = (name: string) => page.getByRole('radio', { name, exact: true });
+    await radio('Square').click();
+    await radio('Straight').click();
+    await page.locator('.task-strip').waitFor({ state: 'detached' });
+    const chosen = fake.hoist.commands.filter(({ type }) => type === 'choose').map(({ exercise }) => exercise);
+    expect(chosen, 'the other one alone').toMatchObject([{ shape: 'straight' }]);
+  });
+});

@@ -56,7 +56,8 @@ export function WalkView() {
                 role="radio"
                 aria-checked={chosen}
                 disabled={led || !reachable}
-                onClick={() => void aside.ask(() => chooseExercise(choice))}
+                // Not the chosen one again: that would end its task and take away its size.
+                onClick={() => (chosen ? undefined : void aside.ask(() => chooseExercise(choice)))}
               >
                 {exerciseTitle(choice.shape)}
               </button>
