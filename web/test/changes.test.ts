@@ -59,6 +59,22 @@ describe('a value that is typed on Tune', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('settings on trial', { timeout: minutes_ms }, () => {
+  it('are not counted down once the connection is lost', async () => {
+    await open('walk');
+    await page.getByRole('button', { name: en['walk.start'] }).click();
+    await page.locator('.mode-user').waitFor();
+    await page.goto(`${fake.url}#/tune`);
+    const field = page.locator('input[name=lean_gain_filtered_units]');
+    await field.fill('55');
+    await field.press('Enter');
+    const trial = page.getByRole('region', { name: en['tune.trial.title'] });
+    await trial.waitFor();
+    await fake.close();
+    await trial.waitFor({ state: 'detached' });
+  });
+});
+
 describe('the suggestions on Tune', { timeout: minutes_ms }, () => {
   const sent = () => fake.hoist.commands.filter(({ type }) => type === 'set').length;
 

@@ -1,5 +1,6 @@
 // Settings on trial return by themselves, also during a walk: every screen shows the time left, with buttons to keep or undo.
 import { keepSettings, undoSettings } from '../link/console';
+import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { t } from '../text/text';
 import { Refusal, useRequest } from './refusal';
@@ -7,8 +8,10 @@ import './trial_bar.css';
 
 export function TrialBar() {
   const left_s = useStore((s) => s.trial_s);
+  const { known, reachable } = useReadiness();
   const request = useRequest();
-  if (left_s <= 0) return null;
+  // The trial also ends while the connection is lost.
+  if (left_s <= 0 || !known || !reachable) return null;
   return (
     <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
       <p>
