@@ -2,6 +2,9 @@ import { describe, expect, it } from 'vitest';
 import { modes, refusals } from '../src/contract/faults.gen';
 import { batteries, readinessOf, stillStands, toldFor_ms, type Readiness } from '../src/link/readiness';
 import { initial, type State } from '../src/link/store';
+import { en } from '../src/text/en';
+import { settings } from '../src/text/settings';
+import { lockedText } from '../src/ui/slow_link';
 
 const bit = (name: string) => 1 << refusals.find((row) => row.name === name)!.bit;
 const good: State = { ...initial, link: 'open', everOpen: true, data: 'fresh', coreConnected: true, role: 'therapist', mode: 'standby' };
@@ -98,6 +101,20 @@ describe('readiness', () => {
     const s = { ...good, blockedBits: bit('bumper_start'), bumpers: 1 };
     expect(readinessOf({ ...s, bumpersHeld: true }).start).toEqual({ user: ['bumper_start'], remote: [], guided: ['bumper_start'] });
     expect(readinessOf({ ...s, bumpersHeld: false }).start.remote).toEqual(['bumper_start']);
+  });
+});
+
+describe('hold-to-run that does nothing', () => {
+  it.each<[string, Partial<State>, string]>([
+    ['without a connection', { link: 'lost', lease: other }, en['refused.link_lost']],
+    ['led by another screen', { lease: other }, en['guided.other']],
+    ['led by no one any more', {}, en['drive.locked']],
+    ['over a slow connection', { lease: mine, rtt_s: 0.5 }, en['drive.tooSlow'].replace('{n}', '500')],
+    ['without the control computer', { lease: mine, coreConnected: false, data: 'gone' }, en['refused.core_gone']],
+  ])('says why %s', (_, change, told) => {
+    settings.set({ language: 'en' });
+    const s: State = { ...good, mode: 'remote', ...change };
+    expect(lockedText(readinessOf(s), s.rtt_s)).toBe(told);
   });
 });
 

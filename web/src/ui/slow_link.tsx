@@ -1,5 +1,5 @@
 // Warns the driver of a slow connection. From a limit on driving is refused, because a release would arrive late.
-import { tooSlow } from '../link/readiness';
+import { tooSlow, type Readiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { fixed, t } from '../text/text';
 import './slow_link.css';
@@ -7,7 +7,14 @@ import './slow_link.css';
 /** From here on the connection counts as slow. */
 const slow_s = 0.08;
 
-export const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
+const tooSlowText = (rtt_s: number | null): string => t('drive.tooSlow', { n: fixed((rtt_s ?? 0) * 1000, 0) });
+
+/** Why hold-to-run does nothing while the hoist is led by hand. */
+export function lockedText({ reachable, lead }: Readiness, rtt_s: number | null): string {
+  if (!reachable) return t('refused.link_lost');
+  if (lead !== 'mine') return t(lead === 'other' ? 'guided.other' : 'drive.locked');
+  return tooSlow({ rtt_s }) ? tooSlowText(rtt_s) : t('refused.core_gone');
+}
 
 /** In the place of a hint below the held control, so that nothing moves under the hand. */
 export function SlowLink({ calm }: { calm: string }) {

@@ -10,7 +10,7 @@ import { useHand } from '../../ui/hand';
 import { driveKeys, type Wish } from '../../ui/hold_to_run';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, tell, useRequest } from '../../ui/refusal';
-import { SlowLink } from '../../ui/slow_link';
+import { lockedText, SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
 import './drive.css';
@@ -72,6 +72,7 @@ export function DriveView() {
   const task = useStore((s) => s.task);
   const exercise = useStore((s) => s.exercise);
   const bumpers = useStore((s) => s.bumpers);
+  const rtt_s = useStore((s) => s.rtt_s);
   const request = useRequest();
   const driving = mode === 'remote';
   const active = driving && ready.hand;
@@ -115,7 +116,7 @@ export function DriveView() {
       <TaskStrip />
       <div class="drive-body">
         <section class="card stick-card">
-          <Joystick active={active} locked={!driving ? t('drive.locked') : ready.lead === 'mine' ? '' : t('guided.other')} />
+          <Joystick active={active} locked={driving ? lockedText(ready, rtt_s) : t('drive.locked')} />
           <SlowLink calm={t('drive.keys')} />
         </section>
         <section class="card floor-card drive-floor">

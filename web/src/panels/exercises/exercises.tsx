@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import { chooseTask, ensureLease, notify, requestGuided, requestMode } from '../../link/console';
 import { live, useFrame } from '../../link/live';
 import { useQuery } from '../../link/query';
-import { tooSlow, useReadiness } from '../../link/readiness';
+import { useReadiness } from '../../link/readiness';
 import { rest, wholeList, type Problem } from '../../link/rest';
 import type { Reply } from '../../link/socket';
 import { figure, useStore } from '../../link/store';
@@ -22,7 +22,7 @@ import { HoldToGo } from '../../ui/hold_to_go';
 import { ownPath } from '../../ui/own_line';
 import { Reading } from '../../ui/reading';
 import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
-import { SlowLink, tooSlowText } from '../../ui/slow_link';
+import { lockedText, SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
 import { LineEditor } from './line_editor';
@@ -382,7 +382,6 @@ function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
   const guided = mode === 'guided';
   const driven = ready.led;
   const rtt_s = useStore((s) => s.rtt_s);
-  const slow = tooSlow({ rtt_s });
   // The walked path stays until the next choice.
   const [justDone, setJustDone] = useState(false);
   const active = guided && ready.hand;
@@ -439,7 +438,7 @@ function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
           {lead === 'guided' || guided ? (
             <>
               <Progress />
-              <HoldToGo active={active} locked={guided && slow ? tooSlowText(rtt_s) : t(guided ? 'guided.other' : 'guided.locked')} />
+              <HoldToGo active={active} locked={guided ? lockedText(ready, rtt_s) : t('guided.locked')} />
               <SlowLink calm={t('guided.hint')} />
             </>
           ) : (
