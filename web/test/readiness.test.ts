@@ -46,6 +46,7 @@ describe('readiness', () => {
         (!r.hand || (s.lease.mine && s.link === 'open' && r.known && s.rtt_s! < 0.3 && (s.mode === 'remote' || s.mode === 'guided'))) &&
         (!r.stopped || r.start.user.length > 0) &&
         r.led === led &&
+        r.may === (s.link === 'open' && s.role !== 'viewer') &&
         r.end === (s.link === 'open' && r.known && s.role !== 'viewer') && // anyone ends a motion
         !(r.known && r.lost);
       if (!holds) wrong.push({ s, r });

@@ -1,4 +1,4 @@
-// Walk and Drive in a browser with the stand-in server: what their buttons ask for.
+// Walk, Drive and what a viewer may press, in a browser with the stand-in server.
 import type { Page } from 'playwright-core';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { en } from '../src/text/en';
@@ -45,5 +45,44 @@ describe('Walk', { timeout: minutes_ms }, () => {
     await page.locator('.task-strip').waitFor({ state: 'detached' });
     const chosen = fake.hoist.commands.filter(({ type }) => type === 'choose').map(({ exercise }) => exercise);
     expect(chosen, 'the other one alone').toMatchObject([{ shape: 'straight' }]);
+  });
+});
+
+describe('a viewer', { timeout: minutes_ms }, () => {
+  const enabled = (within: string) => page.locator(`:is(${within}) :is(button, input):enabled`).allTextContents();
+  const reason = () => page.locator('.main .blockers', { hasText: 'Your role may not change this.' });
+
+  it.each([
+    ['walk', '.walk-controls, .markers'],
+    ['drive', '.walk-controls'],
+    ['tune', '.presets, .tune-row'],
+    ['calibrate', '.calibrate-guide'],
+    ['sessions/3', '.session-texts'],
+  ])('can press nothing on %s that is refused, and reads why', async (screen, within) => {
+    fake.as('viewer');
+    await open(screen);
+    await reason().waitFor();
+    await page.locator(`:is(${within}) :is(button, input)`).first().waitFor();
+    expect(await enabled(within)).toEqual([]);
+    if (screen === 'sessions/3') expect(await button(en['sessions.delete']).isDisabled()).toBe(true);
+  });
+
+  it('can set no mark during a walk, neither keep nor undo a trial, end no task, and release no stop', async () => {
+    fake.as('viewer');
+    await open('walk');
+    await page.evaluate(() => fetch('/api/v1/task', { method: 'PUT', body: '{"task":"square"}' }));
+    await page.locator('.task-strip').waitFor();
+    expect(await enabled('.task-strip')).toEqual([]);
+    fake.trouble({ settings_trial_s: 12 });
+    fake.hoist.mode = 'user';
+    await page.locator('.mode-user').waitFor();
+    const trial = page.getByRole('region', { name: en['tune.trial.title'] });
+    await trial.locator('.blockers').waitFor();
+    expect(await enabled('.walk-controls, .markers, .trial-buttons')).toEqual([]);
+    await reason().waitFor();
+    fake.fault('stop_pressed');
+    fake.hoist.mode = 'protective_stop';
+    await page.locator('.strip .hold').waitFor();
+    expect(await page.locator('.strip .hold').isDisabled()).toBe(true);
   });
 });

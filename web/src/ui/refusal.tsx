@@ -78,10 +78,23 @@ export function Refusal({ request: { reply, forget } }: { request: Request }) {
 /** Reasons against starting, beside the button. Hidden while a refusal with the same reasons is open. */
 export function StartBlockers({ request, of }: { request: Request; of: Start }) {
   const ready = useReadiness();
+  // All controls beside it are off, also while the hoist is led.
+  if (ready.start[of].includes('not_allowed')) return <WatchOnly />;
   if (ready.led || request.reply !== null || ready.start[of].length === 0) return null;
   return (
     <div class="blockers" role="status">
       <strong>{t('strip.notReady')}:</strong> {ready.start[of].map(refusalText).join(' ')}
+    </div>
+  );
+}
+
+/** Why the controls of a screen are off for a person who may only watch. */
+export function WatchOnly() {
+  const role = useStore((s) => s.role);
+  if (role !== 'viewer') return null;
+  return (
+    <div class="blockers" role="status">
+      {refusalText('not_allowed')}
     </div>
   );
 }

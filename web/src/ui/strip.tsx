@@ -163,9 +163,9 @@ export function Strip() {
       {ready.stopped && ready.reachable ? (
         <HoldButton
           label={t('stop.release')}
-          hint={t('stop.releaseHint')}
+          hint={ready.may ? t('stop.releaseHint') : refusalText('not_allowed')}
           hold_ms={releaseHold_ms}
-          disabled={busy}
+          disabled={busy || !ready.may}
           onBegin={() => {
             seen.current = activeFaults(bits).map((fault) => fault.name);
           }}

@@ -34,7 +34,7 @@ export function TaskStrip() {
 }
 
 function Strip({ task }: { task: TaskState }) {
-  const { led, reachable } = useReadiness();
+  const { led, may } = useReadiness();
   const titleOf = useTaskTitles();
   const phase = useReading('state', (sample) => phaseOf(task, sample?.tick ?? 0, led));
   const leave = async () => {
@@ -48,7 +48,7 @@ function Strip({ task }: { task: TaskState }) {
       <span class="num" role="timer">
         {t(phase.key, { time: duration(phase.seconds) })}
       </span>
-      <button type="button" class="quiet" disabled={led || !reachable} onClick={() => void leave()}>
+      <button type="button" class="quiet" disabled={led || !may} onClick={() => void leave()}>
         {t('task.leave')}
       </button>
     </div>

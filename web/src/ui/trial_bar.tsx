@@ -3,12 +3,12 @@ import { keepSettings, undoSettings } from '../link/console';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
 import { t } from '../text/text';
-import { Refusal, useRequest } from './refusal';
+import { Refusal, useRequest, WatchOnly } from './refusal';
 import './trial_bar.css';
 
 export function TrialBar() {
   const left_s = useStore((s) => s.trial_s);
-  const { known, reachable } = useReadiness();
+  const { known, may, reachable } = useReadiness();
   const request = useRequest();
   // The trial also ends while the connection is lost.
   if (left_s <= 0 || !known || !reachable) return null;
@@ -18,14 +18,15 @@ export function TrialBar() {
         <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
       </p>
       <div class="trial-buttons">
-        <button type="button" class="plain" onClick={() => void request.ask(undoSettings)}>
+        <button type="button" class="plain" disabled={!may} onClick={() => void request.ask(undoSettings)}>
           {t('tune.trial.undo')}
         </button>
-        <button type="button" class="plain primary" onClick={() => void request.ask(keepSettings)}>
+        <button type="button" class="plain primary" disabled={!may} onClick={() => void request.ask(keepSettings)}>
           {t('tune.trial.keep')}
         </button>
       </div>
       <Refusal request={request} />
+      <WatchOnly />
     </div>
   );
 }

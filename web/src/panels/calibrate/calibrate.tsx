@@ -13,7 +13,7 @@ import type { TextKey } from '../../text/en';
 import { useSettings } from '../../text/settings';
 import { date, fixed, noValue, shownAs, t, words, withUnit } from '../../text/text';
 import { HoldButton } from '../../ui/hold_button';
-import { Refusal, useRequest } from '../../ui/refusal';
+import { Refusal, useRequest, WatchOnly } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
@@ -214,13 +214,13 @@ function Guide({
   simulated: boolean;
   connected: boolean;
 }) {
-  const { standby, known, lead } = useReadiness();
+  const { standby, known, lead, may } = useReadiness();
   const silent = !known;
   const request = useRequest();
   const [settling, setSettling] = useState(false);
   // A step belongs to the screen that leads it; taking over would end it.
   const theirs = now !== null && lead !== 'mine';
-  const busy = request.busy || settling || !connected || theirs;
+  const busy = request.busy || settling || !may || theirs;
   const ask = async (what: () => Promise<Reply>): Promise<boolean> => {
     const done = await request.ask(what);
     if (done) {
@@ -323,6 +323,7 @@ function Guide({
           </button>
         ) : null}
       </div>
+      <WatchOnly />
       {theirs && connected ? <p class="hint">{t('calibrate.other')}</p> : null}
       <Refusal request={request} />
       {simulated && step === 'zero' && !running ? <p class="hint">{t('calibrate.simulated')}</p> : null}

@@ -95,7 +95,7 @@ export function DriveView() {
               type="button"
               role="radio"
               aria-checked={Math.abs(limit_m_s - limit.speed_m_s) < 0.005}
-              disabled={!ready.reachable}
+              disabled={!ready.may}
               onClick={() => void choose(limit.speed_m_s)}
             >
               {t(limit.key)} <small>{fixed(limit.speed_m_s, 2)} m/s</small>

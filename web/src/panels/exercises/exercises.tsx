@@ -245,7 +245,7 @@ function Choice({ choices, plan, led, choose }: { choices: Choices; plan: Plan; 
 
 /** Draw a line; change or delete the chosen one. */
 function LineButtons({ own, edit, deleted }: { own: Line | null; edit: (line: Line | null) => void; deleted: () => void }) {
-  const { reachable } = useReadiness();
+  const { may } = useReadiness();
   const role = useStore((s) => s.role);
   const [sure, setSure] = useState(false);
   const [problem, setProblem] = useState<Problem | null>(null);
@@ -262,7 +262,7 @@ function LineButtons({ own, edit, deleted }: { own: Line | null; edit: (line: Li
     return (
       <div class="line-buttons" role="group" aria-label={t('line.delete')}>
         <span>{t('line.sure', { name: own.name })}</span>
-        <button type="button" class="plain" disabled={!reachable} onClick={() => void remove(own)}>
+        <button type="button" class="plain" disabled={!may} onClick={() => void remove(own)}>
           {t('line.delete')}
         </button>
         <button type="button" class="quiet" onClick={() => setSure(false)}>

@@ -37,15 +37,14 @@ export function HomeView() {
   const [search, setSearch] = useState('');
   const [problem, setProblem] = useState<Problem | null>(null);
   const [busy, setBusy] = useState(false);
-  const { reachable, led } = useReadiness();
-  const role = useStore((s) => s.role);
+  const ready = useReadiness();
   const chosen = useStore((s) => s.patient);
   const recording = useStore((s) => s.recording.state + String(s.recording.session));
   const again = `${recording} ${chosen?.code ?? ''}`;
   const patients = usePatients(search.trim(), again);
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { limit: pageSize } }), [again]);
   const archived = useQuery(() => wholeList((query) => rest('GET /api/v1/patients', { query: { ...query, archived: 1 } })), [again]);
-  const may = reachable && role !== 'viewer' && !led && !busy;
+  const may = ready.may && !ready.led && !busy;
 
   const act = async (what: () => Promise<Problem | null>) => {
     setBusy(true);

@@ -40,7 +40,7 @@ export function PatientsView({ part }: PanelProps) {
 }
 
 function PatientPage({ id }: { id: number }) {
-  const { reachable, led } = useReadiness();
+  const ready = useReadiness();
   const role = useStore((s) => s.role);
   const chosen = useStore((s) => s.patient);
   const recording = useStore((s) => s.recording.state + String(s.recording.session));
@@ -48,7 +48,7 @@ function PatientPage({ id }: { id: number }) {
   const [problem, setProblem] = useState<Problem | null>(null);
   const [busy, setBusy] = useState(false);
   const patient = asked.value;
-  const may = reachable && role !== 'viewer' && !busy;
+  const may = ready.may && !busy;
   const act = async (what: () => Promise<Problem | null>) => {
     setBusy(true);
     setProblem(await what());
@@ -89,7 +89,7 @@ function PatientPage({ id }: { id: number }) {
         {here ? (
           <span class="hint">{t('home.chosen')}</span>
         ) : (
-          <button type="button" class="plain primary" disabled={!may || led || patient.archived} onClick={() => void act(() => choosePatient(id))}>
+          <button type="button" class="plain primary" disabled={!may || ready.led || patient.archived} onClick={() => void act(() => choosePatient(id))}>
             {t('home.choose')}
           </button>
         )}

@@ -6,12 +6,14 @@ import { useQuery, type Query } from '../../link/query';
 import { notify } from '../../link/console';
 import { address, rest, wholeList, type Answer, type Problem } from '../../link/rest';
 import type { Exercise, Metrics, Samples, Session, SessionList, SessionPatch } from '../../contract/rest.gen';
+import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { problemText, reasonText } from '../../text/server';
 import { useSettings } from '../../text/settings';
 import { date, degrees, duration, fixed, t, words } from '../../text/text';
 import { fit, patternPoints, polesOf, type Point } from '../../ui/geometry';
 import { drawFloor } from '../../ui/floor_view';
+import { WatchOnly } from '../../ui/refusal';
 import { Scroll } from '../../ui/scroll';
 import { useTaskTitles } from '../../ui/task_titles';
 import { TextField } from '../../ui/text_field';
@@ -204,6 +206,7 @@ export function SessionsView({ part }: PanelProps) {
 const chart = new Lazy(async () => (await import('./chart')).Chart);
 
 function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: string) => void; onChange: () => void }) {
+  const { may } = useReadiness();
   const titleOf = useTaskTitles();
   const [error, setError] = useState<string | null>(null);
   const [names, setNames] = useState<SignalName[]>(['speed_m_s', 'speed_command_m_s']);
@@ -287,10 +290,11 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
           <h2>{session === null ? t('sessions.one', { n: id }) : `${date(session.started_utc_ms)} · ${walkName(session, titleOf)}`}</h2>
           <Export id={id} />
           {session?.recording === false ? <Reports id={id} /> : null}
-          <button type="button" class="plain last" disabled={session?.recording !== false} onClick={() => onDelete(session!.etag)}>
+          <button type="button" class="plain last" disabled={session?.recording !== false || !may} onClick={() => onDelete(session!.etag)}>
             {t('sessions.delete')}
           </button>
         </div>
+        <WatchOnly />
         {error !== null ? (
           <p class="tune-error" role="alert">
             {t('sessions.notSaved')} {error}
@@ -319,9 +323,10 @@ function Detail({ id, onDelete, onChange }: { id: number; onDelete: (etag: strin
               hint={t('sessions.subjectHint')}
               value={session.subject ?? ''}
               most={subjectMost}
+              disabled={!may}
               onSave={(subject) => save({ subject: subject === '' ? null : subject })}
             />
-            <TextField label={t('sessions.note')} value={session.note} most={noteMost} onSave={(note) => save({ note })} />
+            <TextField label={t('sessions.note')} value={session.note} most={noteMost} disabled={!may} onSave={(note) => save({ note })} />
           </div>
         ) : null}
       </section>

@@ -7,7 +7,7 @@ import { useReadiness } from '../../link/readiness';
 import { moving, store, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
 import { plain, readNumber, shownAs, t, words, withUnit } from '../../text/text';
-import { Refusal, reasons, refused, useRequest } from '../../ui/refusal';
+import { Refusal, reasons, refused, useRequest, WatchOnly } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { AdviceCard } from './advice';
 import { groups, niceStep, same, type Group } from './groups';
@@ -253,7 +253,7 @@ function GroupView({ group, ...rest }: RowsProps & { group: Group }) {
 
 export function TuneView() {
   useSettings();
-  const { reachable: connected, standby } = useReadiness();
+  const { reachable: connected, may, standby } = useReadiness();
   const role = useStore((s) => s.role);
   const values = useStore((s) => s.parameters);
   const request = useRequest();
@@ -275,7 +275,7 @@ export function TuneView() {
     field?.focus({ preventScroll: true });
   };
   const locked = (row: ParamInfo) =>
-    !connected || role === 'viewer' || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer');
+    !may || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer');
   return (
     <div class="tune">
       <div class="walk-controls">
@@ -286,7 +286,7 @@ export function TuneView() {
               type="button"
               role="radio"
               aria-checked={inForce(preset)}
-              disabled={!connected || !standby}
+              disabled={!may || !standby}
               onClick={() => void choose(preset)}
             >
               {words(preset.title)}
@@ -302,6 +302,7 @@ export function TuneView() {
         </p>
       </div>
       <Refusal request={request} />
+      <WatchOnly />
       <AdviceCard takeOver={takeOver} locked={locked} />
       <HistoryCard send={send} locked={locked} />
       {list.map((group) => (

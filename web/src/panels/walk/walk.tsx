@@ -23,7 +23,7 @@ const markers: readonly MarkerKind[] = ['help', 'stumble', 'rest', 'good'];
 
 export function WalkView() {
   useSettings();
-  const { led, reachable, standby } = useReadiness();
+  const { led, may, standby } = useReadiness();
   const exercise = useStore((s) => s.exercise);
   const drawn = useStore(figure);
   const request = useRequest();
@@ -55,7 +55,7 @@ export function WalkView() {
                 type="button"
                 role="radio"
                 aria-checked={chosen}
-                disabled={led || !reachable}
+                disabled={led || !may}
                 // Not the chosen one again: that would end its task and take away its size.
                 onClick={() => (chosen ? undefined : void aside.ask(() => chooseExercise(choice)))}
               >
@@ -67,7 +67,7 @@ export function WalkView() {
         <button
           type="button"
           class="plain two-lines"
-          disabled={request.busy || aside.busy || !standby}
+          disabled={request.busy || aside.busy || !standby || !may}
           title={t('walk.neutralHint')}
           onClick={() => void neutral()}
         >
@@ -102,7 +102,7 @@ export function WalkView() {
           </div>
           <div class="markers" role="group" aria-label={t('walk.markers')}>
             {markers.map((kind) => (
-              <button key={kind} type="button" class="plain" disabled={!reachable || !led} onClick={() => void mark(kind)}>
+              <button key={kind} type="button" class="plain" disabled={!may || !led} onClick={() => void mark(kind)}>
                 {t(`marker.${kind}`)}
               </button>
             ))}
