@@ -201,11 +201,16 @@ describe('a chosen task', () => {
     expect(phaseOf({ ...state, repetition: 1, begun_tick: 100 }, 1100, true)).toEqual({ key: 'task.under', seconds: 10 });
     expect(phaseOf({ ...state, ends: 'time', goal: 120, repetition: 1, begun_tick: 100 }, 2100, true)).toEqual({ key: 'task.left', seconds: 100 });
     const ended = { ...state, repetition: 1, begun_tick: 100, reached: true, ended_tick: 2000 };
+    // Reached while the hoist still ramps down.
+    expect(phaseOf({ ...ended, ended_tick: null }, 1990, true)).toEqual({ key: 'task.resting', seconds: 60 });
+    expect(phaseOf({ ...ended, ended_tick: null, repetition: 3 }, 1990, true).key).toBe('task.done');
+    // Moved aside after its end.
+    expect(phaseOf({ ...ended, ended_tick: null }, 5000, false).key).toBe('task.next');
     expect(phaseOf(ended, 3000, false)).toEqual({ key: 'task.resting', seconds: 50 });
     expect(phaseOf(ended, 8001, false).key).toBe('task.next');
     expect(phaseOf({ ...ended, repetition: 3 }, 3000, false).key).toBe('task.done');
     // Broken off before its end: the same repetition goes on.
-    expect(phaseOf({ ...ended, reached: false }, 3000, false).key).toBe('task.ready');
+    expect(phaseOf({ ...ended, reached: false }, 3000, false).key).toBe('task.broken');
   });
 });
 

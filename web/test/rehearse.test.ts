@@ -83,7 +83,7 @@ describe('rehearsals on the screen', { timeout: minutes_ms }, () => {
     expect(await page.locator('.rehearsal-items li').allTextContents()).toEqual([
       '✓STOP after 1.4 s.',
       '✗Only 0.8 s before the release: look at the patient for 3 s first.',
-      '–The posture was not set as upright.',
+      '–The neutral posture was not set.',
     ]);
     expect(await page.getByRole('link', { name: rehearse.en['rehearse.toSession'] }).getAttribute('href')).toBe('#/sessions/3');
   });

@@ -1,5 +1,6 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { beforeEach, describe, expect, it } from 'vitest';
+import { auditActions } from '../src/contract/audit.gen';
 import { faults, modes, refusals } from '../src/contract/faults.gen';
 import { eventKinds, nodes } from '../src/contract/messages.gen';
 import { params } from '../src/contract/params.gen';
@@ -61,6 +62,15 @@ describe('the message files', () => {
 
   it('show no Greek letters and no inner names to people', () => {
     for (const text of [...Object.values(all.en), ...Object.values(all.de)]) expect(text).not.toMatch(/[α-ωΑ-Ω]|_[a-z]|undefined|null|NaN/);
+  });
+
+  it('name STOP in German as its button does, and each concept by one word', () => {
+    for (const [key, text] of Object.entries({ ...first.de, ...all.de })) {
+      expect(text, key).not.toMatch(/\bSTOP\b/);
+      expect(text, key).not.toMatch(/Techniker|Technikkonto|Besuch/);
+    }
+    const tables = [...faults.flatMap((row) => [row.text, row.action]), ...Object.values(auditActions).flatMap(({ done, tried }) => [done, tried])];
+    for (const text of tables) expect(text.de).not.toMatch(/\bSTOP\b|Techniker|Technikkonto|Besuch/);
   });
 
   it('have words for every event and every node', () => {

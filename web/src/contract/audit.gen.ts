@@ -13,8 +13,8 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     tried: { en: 'sign out', de: 'sich abmelden' },
   },
   set_up: {
-    done: { en: 'set up an engineer\'s account', de: 'hat ein Technikkonto eingerichtet' },
-    tried: { en: 'set up an engineer\'s account', de: 'ein Technikkonto einrichten' },
+    done: { en: 'set up an engineer\'s account', de: 'hat ein Ingenieurkonto eingerichtet' },
+    tried: { en: 'set up an engineer\'s account', de: 'ein Ingenieurkonto einrichten' },
   },
   change_password: {
     done: { en: 'changed the own password', de: 'hat das eigene Passwort geändert' },
@@ -157,8 +157,8 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     tried: { en: 'delete the name of {what}', de: 'den Namen löschen: {what}' },
   },
   change_visit: {
-    done: { en: 'wrote the note of a visit', de: 'hat die Notiz eines Besuchs geschrieben' },
-    tried: { en: 'write the note of a visit', de: 'die Notiz eines Besuchs schreiben' },
+    done: { en: 'wrote the note of a visit', de: 'hat die Notiz eines Termins geschrieben' },
+    tried: { en: 'write the note of a visit', de: 'die Notiz eines Termins schreiben' },
   },
   create_profile: {
     done: { en: 'saved settings for {what}', de: 'hat Einstellungen gespeichert: {what}' },

@@ -250,7 +250,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 30, name: 'parameters_corrupt', priority: 'high', reaction: 'out_of_service',
     text: { en: 'The settings were damaged; undamaged ones are in force', de: 'Die Einstellungen waren beschädigt; unbeschädigte gelten' },
-    action: { en: 'Compare the settings with your notes; an engineer releases the stop.', de: 'Einstellungen mit den Unterlagen vergleichen; ein Techniker gibt den Halt frei.' },
+    action: { en: 'Compare the settings with your notes; an engineer releases the stop.', de: 'Einstellungen mit den Unterlagen vergleichen; ein Ingenieur gibt den Halt frei.' },
   },
   {
     bit: 31, name: 'control_fault', priority: 'high', reaction: 'out_of_service',

@@ -382,6 +382,7 @@ export const en = {
 
   'task.repetition': 'Repetition {n} of {of}',
   'task.ready': 'Not begun',
+  'task.broken': 'Broken off: Start goes on',
   'task.under': '{time} under way',
   'task.left': '{time} left',
   'task.next': 'Ready for the next one',

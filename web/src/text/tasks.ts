@@ -87,8 +87,8 @@ const de: Record<TasksKey, string> = {
   'guided.more': '{what}: mehr',
   'guided.needs': 'Braucht {along} × {across} m freien Boden.',
   'guided.takes': '{length} m, etwa {time} min.',
-  'guided.polesLeft': 'Stangen: die erste {ahead} m vor dem Start und {aside} m links davon, die anderen je {ahead} m weiter.',
-  'guided.polesRight': 'Stangen: die erste {ahead} m vor dem Start und {aside} m rechts davon, die anderen je {ahead} m weiter.',
+  'guided.polesLeft': 'Stangen: die erste in Gehrichtung {ahead} m nach dem Start und {aside} m links davon, die anderen je {ahead} m weiter.',
+  'guided.polesRight': 'Stangen: die erste in Gehrichtung {ahead} m nach dem Start und {aside} m rechts davon, die anderen je {ahead} m weiter.',
   'guided.slower': 'In Kurven {speed} m/s.',
   'guided.progress': 'Wie viel der Übung geschafft ist',
   'guided.remaining': 'Verbleibend',
@@ -139,7 +139,7 @@ const de: Record<TasksKey, string> = {
   'line.hint': 'Auf den Boden tippen setzt einen Punkt, Ziehen verschiebt ihn. Der Weg beginnt bei Punkt 1.',
   'line.ahead': 'Punkt {n}, voraus',
   'line.left': 'Punkt {n}, links',
-  'task.rehearseHint': 'Sturz, Verbindung weg, Batterie schwach: das Richtige am simulierten Gerät üben.',
+  'task.rehearseHint': 'Stolpern, Verbindung weg, Batterie schwach: das Richtige am simulierten Gerät üben.',
 };
 
 export const tasks: Readonly<Record<Language, Readonly<Record<TasksKey, string>>>> = { en, de };

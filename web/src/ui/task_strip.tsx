@@ -16,15 +16,17 @@ export function phaseOf(
   task: TaskState,
   tick: number,
   led: boolean,
-): { key: 'task.ready' | 'task.under' | 'task.left' | 'task.resting' | 'task.next' | 'task.done'; seconds: number } {
+): { key: 'task.ready' | 'task.broken' | 'task.under' | 'task.left' | 'task.resting' | 'task.next' | 'task.done'; seconds: number } {
   const since = (from: number) => Math.max(0, (tick - from) * step_s);
-  if (led && task.begun_tick !== null && !task.reached) {
+  if (task.begun_tick === null) return { key: 'task.ready', seconds: 0 };
+  if (!task.reached && !led) return { key: 'task.broken', seconds: 0 };
+  if (!task.reached) {
     const seconds = since(task.begun_tick);
     return task.ends === 'time' ? { key: 'task.left', seconds: Math.max(0, task.goal - seconds) } : { key: 'task.under', seconds };
   }
-  if (led || task.ended_tick === null || !task.reached) return { key: 'task.ready', seconds: 0 };
   if (task.repetition >= task.repetitions) return { key: 'task.done', seconds: 0 };
-  const seconds = task.rest_s - since(task.ended_tick);
+  // The rest begins when the hoist has come to standby; it has no beginning after a motion that was none of the task.
+  const seconds = task.ended_tick !== null ? task.rest_s - since(task.ended_tick) : led ? task.rest_s : 0;
   return seconds > 0 ? { key: 'task.resting', seconds: Math.ceil(seconds) } : { key: 'task.next', seconds: 0 };
 }
 
