@@ -144,7 +144,7 @@ describe('Home', { timeout: minutes_ms }, () => {
     await page.goto(`${fake.url}#/patients/1`);
     await page.locator('.patient .rows li', { hasText: 'Hall, 2/3' }).waitFor();
     await page.locator('.trend select').nth(1).waitFor();
-    expect(await page.locator('.trend select').nth(1).textContent()).toMatch(/Hall, \d+\.\d.m/);
+    expect(await page.locator('.trend select').nth(1).textContent()).toMatch(/Hall, \d+\.\d\d.m/);
   });
 
   it('deletes a patient only by holding, and never the current one', async () => {

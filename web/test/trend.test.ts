@@ -1,5 +1,7 @@
 // A patient's figures over the sessions: what is compared, and where the line breaks.
 import { describe, expect, it } from 'vitest';
+import { settings } from '../src/text/settings';
+import { walkedText } from '../src/panels/patients/trend';
 import { changeOf, pointsOf, runsOf, spanOf, walkedKey, walkedOf, type TrendChange, type TrendItem } from '../src/panels/patients/trend_model';
 
 const eight = { shape: 'eight', c_m: 1, radius_m: 0.8 } as const;
@@ -54,6 +56,16 @@ describe('a trend', () => {
     ]);
     const unreadable = [item(2, 0.5), { ...item(1, 0.5), figures: null }];
     expect(pointsOf(unreadable, of(eight), 'C').map(({ value }) => value)).toEqual([null, 0.5]);
+  });
+
+  it('names what is compared so that no two read the same', () => {
+    settings.set({ language: 'en' });
+    const text = (exercise: TrendItem['exercise']) => walkedText({ exercise, task: null, line: null }, (task) => task).replaceAll('\u00a0', ' ');
+    expect(text(square)).toBe('Square, 3.2 m, left');
+    expect(text({ ...square, side_m: 3.25, clockwise: true })).toBe('Square, 3.25 m, right');
+    // Its first loop is the right one.
+    expect([text(eight), text({ ...eight, clockwise: true })]).toEqual(['Figure of eight, 1 m, 0.8 m, right', 'Figure of eight, 1 m, 0.8 m, left']);
+    expect([text({ shape: 'straight', length_m: 10 }), text(null)]).toEqual(['Straight, 10 m', 'Free']);
   });
 
   it('leaves room around its values, also around a single one', () => {

@@ -4,14 +4,17 @@ import { metricGroups, metrics, type MetricInfo, type MetricKey } from '../../co
 import { useQuery } from '../../link/query';
 import { rest } from '../../link/rest';
 import { addressOf } from '../../router';
-import { exerciseTitle } from '../../text/exercise';
+import { exerciseRow, exerciseTitle } from '../../text/exercise';
 import { reasonText } from '../../text/server';
-import { dayText, fixed, t, withUnit, words } from '../../text/text';
+import { tasks as texts } from '../../text/tasks';
+import { addTexts, dayText, fixed, plain, t, withUnit, words } from '../../text/text';
 import { ownPath } from '../../ui/own_line';
 import { Trouble } from '../../ui/field';
 import { useTaskTitles } from '../../ui/task_titles';
 import { changeOf, pointsOf, runsOf, spanOf, walkedOf, type TrendChange, type TrendPoint, type Walked } from './trend_model';
 import './trend.css';
+
+addTexts(texts);
 
 const sessionsMost = 50;
 
@@ -74,13 +77,17 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   );
 }
 
-/** "Square, 3.2 m": the task or exercise with its sizes, since each size is another one. */
-function walkedText({ exercise, task, line }: Walked, titleOf: (task: string) => string): string {
-  if (exercise?.shape === 'own') return [line ?? exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 1), 'm')].join(', ');
+/** "Square, 3.2 m, left": the task or exercise with its sizes and direction, since each is another one. */
+export function walkedText({ exercise, task, line }: Walked, titleOf: (task: string) => string): string {
+  if (exercise?.shape === 'own') return [line ?? exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 2), 'm')].join(', ');
   const sizes = Object.entries(exercise ?? {}).flatMap(([name, value]) =>
-    name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(fixed(value, 1), 'm')] : [],
+    name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(plain(value), 'm')] : [],
   );
-  return [task === null ? exerciseTitle(exercise?.shape ?? 'free') : titleOf(task), ...sizes].join(', ');
+  const shape = exercise?.shape ?? 'free';
+  const clockwise = exercise !== null && 'clockwise' in exercise && exercise.clockwise === true;
+  // An eight begins with the right loop, every other figure turns left.
+  const side = exerciseRow(shape).turned ? [t(clockwise === (shape === 'eight') ? 'guided.left' : 'guided.right')] : [];
+  return [task === null ? exerciseTitle(shape) : titleOf(task), ...sizes, ...side].join(', ');
 }
 
 /** A value in the figure's screen unit, as everywhere. */
