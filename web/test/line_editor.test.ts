@@ -126,6 +126,57 @@ describe('the free floor', { timeout: minutes_ms }, () => {
   });
 });
 
+describe('a drawing', { timeout: minutes_ms }, () => {
+  const open = eachPage(1280, 800);
+  const begin = async () => {
+    const { fake, page } = await open();
+    await page.goto(`${fake.url}#/exercises`);
+    await page.getByRole('button', { name: tasks.en['line.draw'] }).click();
+    for (let i = 0; i < 2; i++) await page.getByRole('button', { name: tasks.en['line.add'] }).click();
+    return { page, points: page.locator('.line-point') };
+  };
+
+  it('stays when the screen is left, and after Cancel for as long as Undo is offered', async () => {
+    const { page, points } = await begin();
+    const name = page.getByLabel(tasks.en['line.name']);
+    await name.fill('Corridor');
+    await page.locator('.nav a[href="#/walk"]').click();
+    await page.locator('.walk-controls').waitFor();
+    await page.locator('.nav a[href="#/exercises"]').click();
+    await points.first().waitFor();
+    expect([await name.inputValue(), await points.count()]).toEqual(['Corridor', 2]);
+    await page.getByRole('button', { name: en['common.cancel'] }).click();
+    await page.getByText(tasks.en['line.cancelled']).waitFor();
+    await page.getByRole('button', { name: en['common.undo'] }).click();
+    expect([await name.inputValue(), await points.count()]).toEqual(['Corridor', 2]);
+    await page.getByRole('button', { name: en['common.save'] }).click();
+    await page.locator('.task-field').waitFor();
+    await page.locator('.nav a[href="#/walk"]').click();
+    await page.locator('.walk-controls').waitFor();
+    await page.locator('.nav a[href="#/exercises"]').click();
+    await page.locator('.task-field').waitFor();
+    await page.getByRole('button', { name: tasks.en['line.draw'] }).click();
+    expect([await name.inputValue(), await points.count()], 'a saved one is over').toEqual(['', 0]);
+  });
+
+  it('follows the finger that drags, and no palm beside it', async () => {
+    const { page, points } = await begin();
+    const at = (await points.first().boundingBox())!;
+    const [x, y] = [at.x + at.width / 2, at.y + at.height / 2];
+    const label = () => points.first().getAttribute('aria-label');
+    const before = await label();
+    const palm = (type: string) => page.locator('.line-plan').dispatchEvent(type, { pointerId: 77, clientX: x + 90, clientY: y - 90, bubbles: true });
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await palm('pointermove');
+    await palm('pointerup');
+    expect(await label()).toBe(before);
+    await page.mouse.move(x + 60, y);
+    await page.mouse.up();
+    await expect.poll(label).not.toBe(before);
+  });
+});
+
 describe('a form', { timeout: minutes_ms }, () => {
   const open = eachPage(1280, 800);
   it('says what Save still waits for, and nothing moves when it has it', async () => {

@@ -32,6 +32,16 @@ export function draftOf({ name, exercise }: Line): Draft {
   return { name, points: pointsOf(exercise), closed: exercise.closed, corner_radius_m: exercise.corner_radius_m ?? 0 };
 }
 
+/** A line under way. */
+export interface Drawing {
+  /** The stored line that is changed; null: a new one. */
+  line: Line | null;
+  draft: Draft;
+}
+export const beginOf = (line: Line | null): Drawing => ({ line, draft: line === null ? emptyDraft : draftOf(line) });
+/** Whether there is anything to lose. */
+export const isChanged = ({ line, draft }: Drawing): boolean => JSON.stringify(draft) !== JSON.stringify(beginOf(line).draft);
+
 export const ownOf = ({ points, closed, corner_radius_m }: Draft): OwnLine => ({
   shape: 'own',
   closed,

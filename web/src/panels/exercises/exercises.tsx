@@ -7,7 +7,7 @@ import { useQuery } from '../../link/query';
 import { useReadiness } from '../../link/readiness';
 import { rest, wholeList, type Problem } from '../../link/rest';
 import type { Reply } from '../../link/socket';
-import { figure, useStore } from '../../link/store';
+import { figure, moving, store, useStore } from '../../link/store';
 import { useTopic } from '../../link/wants';
 import { addressOf, go } from '../../router';
 import type { Line, Task } from '../../contract/rest.gen';
@@ -25,6 +25,7 @@ import { Refusal, StartBlockers, useRequest } from '../../ui/refusal';
 import { lockedText, SlowLink } from '../../ui/slow_link';
 import { StartEnd } from '../../ui/start_end';
 import { TaskStrip } from '../../ui/task_strip';
+import { beginOf, isChanged, type Drawing } from './draft';
 import { LineEditor } from './line_editor';
 import {
   adjustable,
@@ -50,6 +51,11 @@ addTexts(texts);
 
 /** Kept while the console is open, also across screens. */
 let kept: Plan | null = null;
+/** The line that is being drawn, until it is saved or cancelled. */
+let drawing: Drawing | null = null;
+
+/** Time to take a cancelled drawing back. */
+const undoCancel_ms = 6000;
 
 function Direction({ plan, change }: { plan: Plan; change: (part: Partial<Plan>) => void }) {
   // An eight begins with the right loop, every other figure turns left.
@@ -298,7 +304,17 @@ export function ExercisesView() {
   const drawn = useQuery(() => wholeList((query) => rest('GET /api/v1/lines', { query })), []);
   const chosen = useStore((s) => s.task);
   const [plan, setPlan] = useState(kept);
-  const [editing, setEditing] = useState<{ line: Line | null } | null>(null);
+  const [editing, setEditing] = useState<Drawing | null>(() => (moving(store.value.mode) ? null : drawing));
+  const [cancelled, setCancelled] = useState<Drawing | null>(null);
+  useEffect(() => {
+    if (cancelled === null) return undefined;
+    const timer = window.setTimeout(() => setCancelled(null), undoCancel_ms);
+    return () => window.clearTimeout(timer);
+  }, [cancelled]);
+  const edit = (what: Drawing) => {
+    setCancelled(null);
+    setEditing(what);
+  };
   const all = asked.value?.items ?? [];
   const ownTask = all.find(({ line }) => line === 'own');
   const tasks = all.filter((task) => task !== ownTask);
@@ -324,8 +340,15 @@ export function ExercisesView() {
     return (
       <LineEditor
         line={editing.line}
+        begin={editing.draft}
+        keep={(draft) => {
+          const now = { line: editing.line, draft };
+          drawing = isChanged(now) ? now : null;
+        }}
         close={(saved) => {
           setEditing(null);
+          if (saved === null) setCancelled(drawing);
+          drawing = null;
           if (saved === null || ownTask === undefined) return;
           choose(planOf(ownTask, plan ?? undefined, saved));
           drawn.retry();
@@ -344,7 +367,8 @@ export function ExercisesView() {
       choices={{ tasks: tasks.length > 0 ? tasks : [plan.task], ownTask, lines }}
       plan={plan}
       setPlan={choose}
-      edit={(line) => setEditing({ line })}
+      edit={(line) => edit(drawing?.line?.id === line?.id ? (drawing ?? beginOf(line)) : beginOf(line))}
+      undo={cancelled === null ? null : () => edit(cancelled)}
       deleted={drawn.retry}
     />
   );
@@ -369,9 +393,11 @@ interface ChosenProps {
   plan: Plan;
   setPlan: (plan: Plan) => void;
   edit: (line: Line | null) => void;
+  /** Back to a drawing that was just cancelled. */
+  undo: (() => void) | null;
   deleted: () => void;
 }
-function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
+function Chosen({ choices, plan, setPlan, edit, undo, deleted }: ChosenProps) {
   const mode = useStore((s) => s.mode);
   const ready = useReadiness();
   const begun = useStore(figure);
@@ -445,6 +471,14 @@ function Chosen({ choices, plan, setPlan, edit, deleted }: ChosenProps) {
             <p class="hint">{t(lead === 'user' ? 'task.onWalk' : 'task.onDrive')}</p>
           )}
           {plan.own === null ? null : <p class="hint">{t('line.notLed')}</p>}
+          {driven || undo === null ? null : (
+            <p class="line-buttons" role="status">
+              {t('line.cancelled')}
+              <button type="button" class="quiet" onClick={undo}>
+                {t('common.undo')}
+              </button>
+            </p>
+          )}
           {driven ? null : <LineButtons key={plan.own?.id} own={plan.own} edit={edit} deleted={deleted} />}
         </section>
         <section class="card floor-card">

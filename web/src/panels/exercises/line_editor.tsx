@@ -10,8 +10,6 @@ import { FormButtons } from '../../ui/form_buttons';
 import { radioKeys } from '../../ui/radio_keys';
 import {
   corners,
-  draftOf,
-  emptyDraft,
   floorSide,
   grid_m,
   judge,
@@ -65,9 +63,18 @@ function Verdict({ draft, judged }: { draft: Draft; judged: Judged }) {
   return <p class={judged.fits ? 'line-fits' : 'form-error'}>{t(judged.fits ? 'line.fits' : 'line.fitsNot')}</p>;
 }
 
-export function LineEditor({ line, close }: { line: Line | null; close: (saved: Line | null) => void }) {
+interface EditorProps {
+  /** Null: a new one. */
+  line: Line | null;
+  begin: Draft;
+  /** Called with each change, so that leaving the screen loses nothing. */
+  keep: (draft: Draft) => void;
+  close: (saved: Line | null) => void;
+}
+export function LineEditor({ line, begin, keep, close }: EditorProps) {
   useSettings();
-  const [draft, setDraft] = useState<Draft>(line === null ? emptyDraft : draftOf(line));
+  const [draft, setDraft] = useState(begin);
+  useEffect(() => keep(draft), [draft]);
   const [past, setPast] = useState<readonly Draft[]>([]);
   const [selected, setSelected] = useState<number | null>(null);
   const [floor, setFloor] = useState<Floor>(() => floorFor(draft));

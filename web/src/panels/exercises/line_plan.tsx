@@ -48,7 +48,8 @@ const cornersOf = ({ along_m, across_m }: Floor): Point[] => [
 
 export function LinePlan({ draft, floor, judged, selected, select, change }: PlanProps) {
   const { element, width, height } = useSize();
-  const dragged = useRef<{ index: number; began: boolean; draft: Draft } | null>(null);
+  // One finger drags; another one, or a palm, moves nothing.
+  const dragged = useRef<{ pointer: number; index: number; began: boolean; draft: Draft } | null>(null);
   const frame = fit([...cornersOf(floor), ...draft.points], width, height, 0.7, 1);
   const place = (point: Point) => onScreen(point, frame, width, height);
   const floorAt = (event: PointerEvent): Point => {
@@ -65,20 +66,20 @@ export function LinePlan({ draft, floor, judged, selected, select, change }: Pla
     const nearest = away.indexOf(Math.min(...away));
     element.current?.setPointerCapture(event.pointerId);
     if (nearest >= 0 && away[nearest]! <= touch_px) {
-      dragged.current = { index: nearest, began: false, draft };
+      dragged.current = { pointer: event.pointerId, index: nearest, began: false, draft };
       select(nearest);
       return;
     }
     if (draft.points.length >= pointsMost) return;
     const index = edgeAt(draft, at, edge_px / frame.pixels_per_m) ?? draft.points.length;
     const next = withPoint(draft, onFloor(at, floor), index);
-    dragged.current = { index, began: true, draft: next };
+    dragged.current = { pointer: event.pointerId, index, began: true, draft: next };
     change(next, true);
     select(index);
   };
   const move = (event: PointerEvent) => {
     const drag = dragged.current;
-    if (drag === null) return;
+    if (drag?.pointer !== event.pointerId) return;
     const to = onFloor(floorAt(event), floor);
     const from = drag.draft.points[drag.index]!;
     if (to.x === from.x && to.y === from.y) return;
@@ -86,8 +87,8 @@ export function LinePlan({ draft, floor, judged, selected, select, change }: Pla
     change(drag.draft, !drag.began);
     drag.began = true;
   };
-  const up = () => {
-    dragged.current = null;
+  const up = (event: PointerEvent) => {
+    if (dragged.current?.pointer === event.pointerId) dragged.current = null;
   };
   const key = (event: KeyboardEvent, index: number) => {
     const by = arrows[event.key];
