@@ -138,3 +138,20 @@ describe('signing out', { timeout: minutes_ms }, () => {
     await page.locator('.settings-part .form-error', { hasText: en['refused.link_lost'] }).waitFor();
   });
 });
+
+describe('a new token', { timeout: minutes_ms }, () => {
+  it('is made once by a double tap', async () => {
+    await open('settings/tokens');
+    await page.locator('.settings-part .rows li').waitFor();
+    let asked = 0;
+    await page.route('**/api/v1/tokens', async (route) => {
+      if (route.request().method() === 'POST') asked++;
+      await route.continue();
+    });
+    await button(en['tokens.new']).click();
+    await page.getByLabel(en['tokens.name']).fill('Gait lab');
+    await button(en['common.save']).dblclick();
+    await page.locator('.settings-secret').waitFor();
+    expect(asked).toBe(1);
+  });
+});

@@ -1,5 +1,7 @@
 import { describe, expect, it } from 'vitest';
+import { en } from '../src/text/en';
 import { intoView } from '../src/ui/stop_button';
+import { eachPage, minutes_ms } from '../test-support/browser';
 
 describe('STOP', () => {
   const page = { scale: 1, offsetLeft: 0, offsetTop: 0, width: 390, height: 844 };
@@ -21,5 +23,23 @@ describe('STOP', () => {
 
   it('rises above a keyboard on the screen', () => {
     expect(intoView(box, edge, { ...page, height: 500 })).toBe('translate(0.0px, -344.0px) scale(1.0000)');
+  });
+});
+
+describe('a check box', { timeout: minutes_ms }, () => {
+  const start = eachPage(1024, 768);
+  it('is toggled by Enter, and Space in it is STOP', async () => {
+    const { fake, page } = await start();
+    await page.goto(`${fake.url}#/settings/tools`);
+    const box = page.getByLabel(en['tools.allow']);
+    await box.focus();
+    await page.keyboard.press('Enter');
+    await expect.poll(() => box.isChecked()).toBe(true);
+    const stops = () => fake.hoist.commands.filter(({ type }) => type === 'stop').length;
+    expect(stops()).toBe(0);
+    await box.focus();
+    await page.keyboard.press('Space');
+    await expect.poll(stops).toBeGreaterThan(0);
+    expect(await box.isChecked()).toBe(true);
   });
 });

@@ -1,5 +1,5 @@
-// Arrow keys within a group of choices, as in other programs. They only move the focus: choosing needs Space or Enter, because some choices
-// go to the hoist at once.
+// Arrow keys within a group of choices, as in other programs. They only move the focus: choosing needs Enter, because some choices go to the
+// hoist at once. Space is STOP (stop_button.tsx).
 
 /** Target of an arrow key among `count` choices; null: not an arrow. */
 export function stepTo(key: string, at: number, count: number): number | null {

@@ -1,4 +1,4 @@
-// STOP: on every page at the same place, acts on touch, without a question. The space bar does the same.
+// STOP: on every page at the same place, acts on touch, without a question. The space bar does the same, so Enter toggles check boxes.
 import { useEffect, useRef } from 'preact/hooks';
 import { stop } from '../link/console';
 import { useStore } from '../link/store';
@@ -63,6 +63,11 @@ export function StopButton() {
   }, []);
   useEffect(() => {
     const key = (event: KeyboardEvent) => {
+      // A check box has no other key than the one that is STOP.
+      if (event.key === 'Enter' && event.target instanceof HTMLInputElement && event.target.type === 'checkbox') {
+        event.preventDefault();
+        if (!event.repeat) event.target.click();
+      }
       if (event.code !== 'Space' || wantsSpace(event.target)) return;
       event.preventDefault();
       event.stopPropagation();

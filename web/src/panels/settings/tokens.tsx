@@ -82,8 +82,12 @@ function New({ done }: { done: (secret: string | null) => void }) {
   const [scope, setScope] = useState<Role>('viewer');
   const [life_days, setLife] = useState<number>(30);
   const [problem, setProblem] = useState<Problem | null>(null);
+  const [busy, setBusy] = useState(false);
   const save = async () => {
+    if (busy) return; // a second tap would make a second token, whose secret is never shown
+    setBusy(true);
     const answer = await rest('POST /api/v1/tokens', { body: { name: name.trim(), scope, days: life_days } });
+    setBusy(false);
     setProblem(answer.ok ? null : answer.problem);
     if (answer.ok) done(answer.value.token);
   };
@@ -113,7 +117,7 @@ function New({ done }: { done: (secret: string | null) => void }) {
         </select>
       </label>
       <Trouble problem={problem} />
-      <FormButtons missing={name.trim() === '' ? [t('tokens.name')] : []} close={() => done(null)} />
+      <FormButtons missing={name.trim() === '' ? [t('tokens.name')] : []} ready={!busy} close={() => done(null)} />
     </Form>
   );
 }
