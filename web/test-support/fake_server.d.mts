@@ -2,7 +2,13 @@
 export interface FakeServer {
   url: string;
   /** What it pretends to be, and the messages that it has got. */
-  hoist: { mode: string; faults: number; task: { task: string } | null; patient: { code: string } | null; commands: { type: string; mode?: string; exercise?: object | null; path?: object }[] };
+  hoist: {
+    mode: string;
+    faults: number;
+    task: { task: string } | null;
+    patient: { code: string } | null;
+    commands: { type: string; mode?: string; exercise?: object | null; path?: object }[];
+  };
   /** Who is in control: 0 for nobody. */
   lease: { holder: number };
   /** Long work that was asked for. */

@@ -1112,7 +1112,10 @@ export function startFakeServer({
             : {
                 step: under.name,
                 phase,
-                result: phase !== 'result' ? [] : Object.entries(foundNow(hoist.calibration)).map(([name, value]) => ({ name, value, before: values[name] })),
+                result:
+                  phase !== 'result'
+                    ? []
+                    : Object.entries(foundNow(hoist.calibration)).map(([name, value]) => ({ name, value, before: values[name] })),
               },
         items: steps.map(({ name, role, entered, empty_harness = false, title, action, date }) => ({
           name,
@@ -1482,6 +1485,8 @@ export function startFakeServer({
             for (const client of clients.values()) client.socket.terminate();
             sockets.close();
             server.close(done);
+            // A page that stays open asks over these.
+            server.closeAllConnections();
           }),
       }),
     );

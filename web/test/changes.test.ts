@@ -49,7 +49,7 @@ describe('the history on Tune', { timeout: minutes_ms }, () => {
 
 describe('a value that is typed on Tune', { timeout: minutes_ms }, () => {
   it.each([
-    ['9999', 'Build-up strength: The value is outside its range. Allowed: '],
+    ['9999', 'Build-up strength: The value is outside its range. Allowed:'],
     ['abc', `Build-up strength: ${en['tune.number']}`],
   ])('and cannot be set is told also after leaving the screen: %s', async (text, told) => {
     await open('tune');

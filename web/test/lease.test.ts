@@ -83,7 +83,7 @@ it(
     expect(fake.hoist.task?.task).toBe('straight');
     const holder = fake.lease.holder;
     const other = await open([1024, 768], 'de', 'exercises');
-    await other.getByLabel('Aufgabe', { exact: true }).selectOption('square');
+    await other.locator('.task-field select').selectOption('square');
     const cancel = other.getByRole('button', { name: 'Abbrechen', exact: true });
     const start = async () => {
       if ((await cancel.count()) === 0) await other.getByRole('button', { name: 'Aufgabe beginnen' }).click();

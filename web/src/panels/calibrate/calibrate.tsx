@@ -111,7 +111,17 @@ function Measure(field: { label: string; name: string; unit: string; value: stri
 }
 
 /** A choice of two directions, so that no minus sign is needed: the number keys of a phone have none. */
-function Direction({ label, names, value, onValue }: { label: string; names: readonly [TextKey, TextKey]; value: boolean; onValue: (reversed: boolean) => void }) {
+function Direction({
+  label,
+  names,
+  value,
+  onValue,
+}: {
+  label: string;
+  names: readonly [TextKey, TextKey];
+  value: boolean;
+  onValue: (reversed: boolean) => void;
+}) {
   return (
     <div class="choice" role="radiogroup" aria-label={label} onKeyDown={radioKeys}>
       {names.map((name, i) => (
@@ -130,7 +140,19 @@ interface Off {
 const nothing: Off = { text: '', reversed: false };
 
 /** How far off the shown place a square ended, along one axis. */
-function OffPlace({ name, names, labels, off, onOff }: { name: string; names: readonly [TextKey, TextKey]; labels: readonly [TextKey, TextKey]; off: Off; onOff: (off: Off) => void }) {
+function OffPlace({
+  name,
+  names,
+  labels,
+  off,
+  onOff,
+}: {
+  name: string;
+  names: readonly [TextKey, TextKey];
+  labels: readonly [TextKey, TextKey];
+  off: Off;
+  onOff: (off: Off) => void;
+}) {
   const label = t(labels[off.reversed ? 1 : 0]);
   return (
     <div class="calibrate-off">

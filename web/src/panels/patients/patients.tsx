@@ -89,7 +89,12 @@ function PatientPage({ id }: { id: number }) {
         {here ? (
           <span class="hint">{t('home.chosen')}</span>
         ) : (
-          <button type="button" class="plain primary" disabled={!may || ready.led || patient.archived} onClick={() => void act(() => choosePatient(id))}>
+          <button
+            type="button"
+            class="plain primary"
+            disabled={!may || ready.led || patient.archived}
+            onClick={() => void act(() => choosePatient(id))}
+          >
             {t('home.choose')}
           </button>
         )}

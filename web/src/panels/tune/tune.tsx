@@ -52,16 +52,22 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
 
   const here = useRef(true);
   const entered = useRef<string | null>(null); // text that was typed and sent
-  // Leaving the screen right after moving a slider or typing still applies the value.
+  const wrong = useRef<string | null>(null);
+  /** What is wrong stands at the row, and at the edge of the screen when the row is left. */
+  const say = (text: string | null) => {
+    wrong.current = text;
+    if (here.current) setError(text);
+    else if (text !== null) notify('warning', `${words(row.title)}: ${text}`, true);
+  };
+  // Leaving the screen right after moving a slider or typing still applies the value. The field is left before or after this.
   const leave = useRef(() => {});
   leave.current = () => {
     here.current = false;
     if (drawn.current !== null) void apply(drawn.current);
-    else if (draft !== null && (draft !== entered.current || !Number.isFinite(readNumber(draft)))) enter();
+    else if (draft !== null && draft !== entered.current) enter();
+    else say(wrong.current);
   };
   useEffect(() => () => leave.current(), []);
-  /** At the row; at the edge of the screen when its row is left. */
-  const fail = (text: string) => (here.current ? setError(text) : notify('warning', `${words(row.title)}: ${text}`, true));
   const lockedByMode = row.edit === 'stopped' && !standby;
   const locked = !connected || lockedByMode || !Number.isFinite(value) || (row.role === 'engineer' && role !== 'engineer') || role === 'viewer';
 
@@ -75,12 +81,11 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
     const asked = touches.current;
     const reply = await send(row, si);
     if (reply.ok && !same(before, si)) setUndo(before);
-    if (!here.current && refused(reply)) fail(why(reply));
     if (touches.current !== asked) return;
     setSlide(null);
     // Control left where it is: what was typed is not in force, so it must not stand there as if it were.
     setDraft((now) => (refused(reply) ? now : null));
-    setError(refused(reply) ? why(reply) : null);
+    say(refused(reply) ? why(reply) : null);
   };
   const why = (reply: Reply): string => {
     const field = reply.errors.find((item) => item.field === row.name) ?? reply.errors[0];
@@ -94,20 +99,20 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
     touches.current++;
     drop(row.name);
     setDraft(text);
-    setError(null);
+    say(null);
   };
   const enter = () => {
-    if (draft === null) return;
+    if (draft === null || (!here.current && draft === entered.current)) return;
     entered.current = draft;
     const number = readNumber(draft);
     if (!Number.isFinite(number)) {
-      fail(t('tune.number'));
+      say(t('tune.number'));
       return;
     }
     const si = number / show.factor;
     if (same(si, value)) {
       setDraft(null);
-      setError(null);
+      say(null);
     } else void apply(si);
   };
   const draw = (shown: number) => {
@@ -116,7 +121,7 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
     drop(row.name);
     setSlide(shown);
     setDraft(null);
-    setError(null);
+    say(null);
     if (timer.current !== null) window.clearTimeout(timer.current);
     // Rounding to the slider's steps must not push an end value out of its range.
     const si = Math.max(row.min, Math.min(row.max, shown / show.factor));
@@ -194,7 +199,7 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
             if (event.key === 'Escape') {
               drop(row.name);
               setDraft(null);
-              setError(null);
+              say(null);
             }
           }}
         />
@@ -274,8 +279,7 @@ export function TuneView() {
     field?.scrollIntoView({ block: 'center' });
     field?.focus({ preventScroll: true });
   };
-  const locked = (row: ParamInfo) =>
-    !may || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer');
+  const locked = (row: ParamInfo) => !may || (row.edit === 'stopped' && !standby) || (row.role === 'engineer' && role !== 'engineer');
   return (
     <div class="tune">
       <div class="walk-controls">
