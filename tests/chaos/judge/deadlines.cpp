@@ -289,6 +289,10 @@ void Deadlines::take_frames(const Truth& truth) {
   const double sum_v = plant.battery_v(0) + plant.battery_v(1), apart_v = plant.battery_v(0) - plant.battery_v(1);
   if (!battery_known_) battery_v_ = {sum_v, apart_v};
   battery_known_ = true;
+  // A line that damages characters also damages voltages, which are believed within their range.
+  if (ears_.battery_age() == 0 &&
+      (std::fabs(ears_.battery_v(0) - plant.battery_v(0)) > 0.5 || std::fabs(ears_.battery_v(1) - plant.battery_v(1)) > 0.5))
+    battery_wrong_s_ = seen_s_;
   if (ears_.battery_age() < kTold_steps) {
     battery_v_[0] += (sum_v - battery_v_[0]) * kStep_s;
     battery_v_[1] += (apart_v - battery_v_[1]) * kStep_s;
@@ -348,7 +352,7 @@ void Deadlines::take_bars(const Truth& truth) {
                                         plant.emergency_stop(),
                                         silence,
                                         blind,
-                                        (battery_v_[0] < 21.8 || battery_v_[0] > 29.7) && ears_.battery_age() < kTold_steps,
+                                        (battery_v_[0] < 21.8 || battery_v_[0] > 29.7) && battery_told_rightly(),
                                         turns,
                                         board_.now(Kind::wrong_part)};
   for (std::size_t bar = 0; bar < kBarCount; ++bar) barred_s_[bar] = now[bar] ? barred_s_[bar] + kStep_s : 0;
@@ -477,13 +481,13 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
       return mode == Mode::standby && truth.lean_rad > 14.8 * kDegree_rad && lean_told_rightly() && seen_s_ - blind_s_ > 0.7 &&
              ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1 && truth.fastest_m_s > 0.15;
     case Rule::empty:
-      return battery_v_[0] < 21.8 && ears_.battery_age() < kTold_steps;
+      return battery_v_[0] < 21.8 && battery_told_rightly();
     case Rule::high:
-      return battery_v_[0] > 29.7 && ears_.battery_age() < kTold_steps;
+      return battery_v_[0] > 29.7 && battery_told_rightly();
     case Rule::weak:
-      return battery_v_[0] < 22.8 && ears_.battery_age() < kTold_steps;
+      return battery_v_[0] < 22.8 && battery_told_rightly();
     case Rule::uneven:
-      return std::fabs(battery_v_[1]) > 0.55 && ears_.battery_age() < kTold_steps;
+      return std::fabs(battery_v_[1]) > 0.55 && battery_told_rightly();
     case Rule::steep:
     case Rule::sloping: {
       const auto& base = ears_.tilt(Node::tilt_base);
@@ -591,6 +595,8 @@ bool Deadlines::beyond_the_hoist(const Truth& truth) const {
   // The drive finds a shorted bridge or a broken encoder, the core stops and takes the supply away.
   return dragged(truth) || seen_s_ - short_s_ < kRunaway_s || seen_s_ - blind_s_ < 0.7 || seen_s_ - frozen_s_ < 0.7;
 }
+
+bool Deadlines::battery_told_rightly() const { return ears_.battery_age() < kTold_steps && seen_s_ - battery_wrong_s_ > 3.0; }
 
 bool Deadlines::comes_free() const { return seen_s_ - std::max(blocked_s_, let_go_s_) < kRollsOut_s; }
 

@@ -141,6 +141,7 @@ class Deadlines {
   [[nodiscard]] bool explained(contract::Fault cause) const;
   /// The lean that the frames of the three sensors tell is the true one.
   [[nodiscard]] bool lean_told_rightly() const;
+  [[nodiscard]] bool battery_told_rightly() const;
   /// Speed that a wheel at rest may show: see README.md.
   [[nodiscard]] static double rest_m_s(const Truth& truth);
 
@@ -173,7 +174,8 @@ class Deadlines {
   bool battery_known_ = false;
   bool hands_ = false;  // push now
   double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
-         leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100, let_go_s_ = -100;
+         leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100, let_go_s_ = -100,
+         battery_wrong_s_ = -100;
   double coast_m_s_ = 0;  // what a wheel may still turn after a push, or without supply
   bool cut_ = false;
   bool zero_off_ = false;
