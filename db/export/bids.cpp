@@ -129,8 +129,8 @@ class EventsTsv {
   // A marker's text may name a person; a marker has the time of its step.
   void row(std::string& out, const Moments::Moment& moment) {
     const json event = moment_json(moment);
-    const std::int64_t time_ns = moment.event != nullptr ? static_cast<std::int64_t>(moment.event->time_ns)
-                                                         : source_.time_of_tick(static_cast<std::int64_t>(moment.tick));
+    const std::int64_t time_ns =
+        moment.event != nullptr ? static_cast<std::int64_t>(moment.event->time_ns) : source_.time_of_tick(moment.tick);
     std::array<char, kMaxNumber_chars> digits;
     out.append(digits.data(), print_fixed(digits.data(), microseconds_since(begin_ns_, time_ns), kSeconds_decimals));
     out += "\t0\t" + cell(event["kind"].get<std::string>()) + "\t" + cell(event["name"].get<std::string>()) + "\t" +
@@ -153,9 +153,9 @@ class BidsPlan : public BundlePlan {
       const SessionInfo info = or_throw(SessionReader(database).get(session));
       if (first_utc_ns_ == 0) first_utc_ns_ = info.started_utc_ns;
       const std::string code = info.subject.value_or("");
-      // Patients without a code are not one patient.
-      const std::string key = info.subject ? code : "unknown" + std::to_string(session);
-      auto [label, fresh] = labels_.try_emplace(key, label_of(key));
+      // Patients without a code are not one patient, and none of those who have one.
+      auto [label, fresh] = info.subject ? labels_.try_emplace({0, code}, label_of(code))
+                                         : labels_.try_emplace({session, ""}, "unknown" + std::to_string(session));
       if (fresh) {
         if (label->second.empty()) label->second = "x";
         while (!taken.insert(label->second).second) label->second += "x";
@@ -224,7 +224,9 @@ class BidsPlan : public BundlePlan {
     files.push_back(std::move(events));
     files.push_back(with_source(stem + "_manifest.json", [](ExportSource& source) {
       json manifest = manifest_json(source);
-      manifest["session"].erase("note");
+      json& told = manifest["session"];
+      told.erase("note");
+      if (told["task"].is_object()) told["task"].erase("line");  // a name that a person has typed
       return pretty(manifest);
     }));
     return files;
@@ -294,8 +296,8 @@ class BidsPlan : public BundlePlan {
 
   Database& database_;
   std::int64_t first_utc_ns_ = 0;
-  std::map<std::string, std::string> labels_;                      // by code
-  std::vector<std::pair<std::string, std::string>> participants_;  // id and code
+  std::map<std::pair<SessionId, std::string>, std::string> labels_;  // by code, or by session of those without a code
+  std::vector<std::pair<std::string, std::string>> participants_;    // id and code
   std::map<SessionId, Place> places_;
   std::map<std::string, std::string> scans_;  // rows by file
 };

@@ -1,5 +1,5 @@
 // A data set as the Brain Imaging Data Structure lays out motion data (BIDS 1.10, "Motion"): TSV files with JSON beside them.
-// It holds patient codes and no free text that may name a person: no notes, no user names.
+// It holds patient codes and no free text that may name a person: no notes, no names of own lines, no user names.
 #pragma once
 #include <memory>
 #include <vector>

@@ -52,8 +52,9 @@ class EventsWriter : public FormatWriter {
     return line + ',' + std::to_string(event.request_id) + actor_cells(event.actor) + ',';
   }
   std::string line_of(const Marker& marker) {
-    return stamp(marker.utc_ns, microseconds_since(source_.info.started_utc_ns, marker.utc_ns)) + ',' + std::to_string(marker.tick) +
-           ",marker," + csv_cell(marker.kind) + ",,,,,," + actor_cells(marker.actor) + ',' + csv_cell(marker.text);
+    return stamp(marker.utc_ns, microseconds_since(source_.start_ns(), source_.time_of_tick(marker.tick))) + ',' +
+           std::to_string(marker.tick) + ",marker," + csv_cell(marker.kind) + ",,,,,," + actor_cells(marker.actor) + ',' +
+           csv_cell(marker.text);
   }
 
   ExportSource& source_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "db/store/column_layouts.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/provenance.hpp"
 
@@ -77,11 +78,9 @@ std::int64_t ExportSource::utc_of(std::int64_t time_ns) const {
   return anchor->utc_ns + (time_ns - anchor->time_ns);
 }
 
-std::int64_t ExportSource::time_of_tick(std::int64_t tick) {
-  constexpr std::int64_t kStep_ns = 10'000'000;
-  const std::optional<StoredChunk> near = source_.at_or_after(std::min(static_cast<std::uint64_t>(tick), last_tick));
-  if (near) return static_cast<std::int64_t>(near->first_time_ns) + (tick - static_cast<std::int64_t>(near->first_tick)) * kStep_ns;
-  return start_ns() + tick * kStep_ns;
+std::int64_t ExportSource::time_of_tick(std::uint64_t tick) const {
+  Statement time(database.handle(), "SELECT " + time_of_step_sql("?2") + " FROM sessions AS s WHERE s.id = ?1");
+  return time.integer(1, info.id).unsigned_integer(2, tick).step() ? time.integer_at(0) : start_ns();
 }
 
 bool ExportSource::next_samples(std::span<const std::size_t> which) {

@@ -38,8 +38,8 @@ class ExportSource {
   /// By the wall clock of the session's start: never runs backwards.
   [[nodiscard]] std::int64_t even_utc_of(std::int64_t time_ns) const { return info.started_utc_ns + (time_ns - start_ns()); }
 
-  /// Steady time of a step, from a stored one: steps follow the clock also where some were left out.
-  [[nodiscard]] std::int64_t time_of_tick(std::int64_t tick);
+  /// Steady time of a step (session_times.hpp).
+  [[nodiscard]] std::int64_t time_of_tick(std::uint64_t tick) const;
 
   /// Makes the next stored samples of these columns available in `values`; false at the end.
   bool next_samples(std::span<const std::size_t> which);

@@ -249,7 +249,8 @@ void SqliteWriter::write_events() {
   });
   Statement marker(handle_.get(), "INSERT INTO markers VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   for (const Marker& told : source_->markers())
-    insert(marker, id, {told.tick, seconds_since(source_->info.started_utc_ns, told.utc_ns), utc_text(told.utc_ns), told.kind, told.text});
+    insert(marker, id,
+           {told.tick, seconds_since(source_->start_ns(), source_->time_of_tick(told.tick)), utc_text(told.utc_ns), told.kind, told.text});
 }
 
 bool SqliteWriter::write_samples() {

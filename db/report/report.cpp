@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -329,8 +330,10 @@ Result<std::vector<TrendSession>> report_trend(Database& database, const Session
   const auto visits = VisitReader(database).of_sessions(std::span(&session.id, 1));
   if (!visits) return visits.error();
   if (visits->empty()) return std::vector<TrendSession>{};
-  auto page = trend_sessions(database, visits->begin()->second.patient_id, kMost, session.id + 1);
+  auto page = trend_sessions(database, visits->begin()->second.patient_id,
+                             {.limit = kMost - 1, .before = session.id + 1, .comparable_to = session.id});
   if (!page) return page.error();
+  std::ranges::move(page->firsts, std::back_inserter(page->items));
   return std::move(page->items);
 }
 

@@ -26,8 +26,8 @@ struct ReportSession {
 /// Errors: not_found, not_now (still being recorded), corrupt, io.
 [[nodiscard]] Result<ReportSession> read_report_session(Database& database, SessionId session);
 
-/// The sessions that the progress of a report is made of: those of the same patient, this one and the newest before it. None of a simulated
-/// session and of one without a patient. Errors: busy, io.
+/// The sessions that the progress of a report is made of: of the same patient's comparable ones this one, the newest before it, and the first. None
+/// of a simulated session and of one without a patient. Errors: busy, io.
 [[nodiscard]] Result<std::vector<TrendSession>> report_trend(Database& database, const SessionInfo& session);
 
 /// `trend`: the figures of report_trend, newest first (trend_entry). Errors: not_found, corrupt, io.

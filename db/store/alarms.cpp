@@ -4,6 +4,7 @@
 
 #include "control/contract/commands.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -12,9 +13,9 @@ namespace {
 // The number stands in the text, so that SQLite can use the index of schema/012, which holds these rows only.
 static_assert(contract::EventKind::fault_raised == contract::EventKind{4} && contract::EventKind::fault_cleared == contract::EventKind{5});
 constexpr const char* kRows =
-    "SELECT e.session_id, e.number, s.started_utc_ns + (e.time_ns - s.start_time_ns), e.time_ns - s.start_time_ns, e.name, "
-    "(SELECT c.time_ns FROM events AS c WHERE c.session_id = e.session_id AND c.number > e.number AND c.kind = 5 AND c.name = e.name "
-    "ORDER BY c.number LIMIT 1) - e.time_ns, s.simulated, patients.code "
+    ", e.time_ns - s.start_time_ns, e.name, (SELECT c.time_ns FROM events AS c "
+    "WHERE c.session_id = e.session_id AND c.number > e.number AND c.kind = 5 AND c.name = e.name ORDER BY c.number LIMIT 1) - e.time_ns, "
+    "s.simulated, patients.code "
     "FROM events AS e JOIN sessions AS s ON s.id = e.session_id LEFT JOIN visits ON visits.id = s.visit_id "
     "LEFT JOIN patients ON patients.id = visits.patient_id WHERE e.kind = 4 AND (e.session_id, e.number) < (?1, ?2) ";
 
@@ -38,11 +39,12 @@ Result<AlarmPage> stored_alarms(Database& database, const AlarmQuery& query) {
   return guarded([&]() -> Result<AlarmPage> {
     sqlite3* handle = database.handle();
     Transaction transaction(handle, Transaction::Kind::read);
-    std::string sql = kRows;
+    const std::string utc = utc_of_time_sql("e.time_ns");
+    std::string sql = "SELECT e.session_id, e.number, " + utc + kRows;
     if (query.fault) sql += "AND e.name = ?4 ";
     if (query.session) sql += "AND e.session_id = ?5 ";
-    if (query.from_utc_ns) sql += "AND s.started_utc_ns + (e.time_ns - s.start_time_ns) >= ?6 ";
-    if (query.to_utc_ns) sql += "AND s.started_utc_ns + (e.time_ns - s.start_time_ns) < ?7 ";
+    if (query.from_utc_ns) sql += "AND " + utc + " >= ?6 ";
+    if (query.to_utc_ns) sql += "AND " + utc + " < ?7 ";
     Statement rows(handle, sql + "ORDER BY e.session_id DESC, e.number DESC LIMIT ?3");
     constexpr std::int64_t kEnd = std::numeric_limits<std::int64_t>::max();
     const AlarmPlace before = query.before.value_or(AlarmPlace{kEnd, kEnd});

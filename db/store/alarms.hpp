@@ -19,7 +19,7 @@ struct AlarmPlace {
 };
 struct StoredAlarm {
   AlarmPlace place;
-  std::int64_t utc_ns = 0;         ///< by the clock at the session's start
+  std::int64_t utc_ns = 0;         ///< by the wall clock as it was set then
   double time_s = 0;               ///< since the session's start
   std::string fault;               ///< as it was called then
   std::optional<double> lasted_s;  ///< absent: not over before the session's end

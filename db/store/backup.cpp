@@ -23,6 +23,7 @@
 #include "db/store/hoist_id.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/retention.hpp"
+#include "db/store/session_number.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -452,12 +453,13 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
     if (!copied) return copied.error();
     return std::optional<fs::path>{};
   }
-  // The numbers of sessions stand on paper: none that the present file has given is given again.
-  SessionId last_given = 0;
+  // The seal knows the last number also when the present file cannot be read.
+  const auto sealed = Seal::read(file);
+  SessionId last_given = sealed ? sealed->session : 0;
   DeviceSettings here;
   if (auto present = Database::inspect(file)) {
     (void)guarded([&]() -> Status {
-      last_given = static_cast<SessionId>(number_of(present->handle(), "SELECT seq FROM sqlite_sequence WHERE name = 'sessions'"));
+      last_given = std::max(last_given, last_session_number(present->handle()));
       return {};
     });
     if (auto read = device_settings(*present)) here = std::move(*read);
@@ -468,7 +470,7 @@ Result<std::optional<fs::path>> prepare_restore(const fs::path& backup, const fs
   if (Status renamed = guarded([&]() -> Status {
         if (Status migrated = named->migrate(); !migrated) return migrated;
         execute(named->handle(), "UPDATE seal SET file_id = lower(hex(randomblob(8)))");
-        Statement(named->handle(), "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'").integer(1, last_given).run();
+        take_session_numbers(named->handle(), last_given);
         // What was brought back must not be deleted by a rule of that time.
         execute(named->handle(), "DELETE FROM settings WHERE name = 'retention'");
         // The backup may be of another hoist: this one keeps its id and its name, or gets a new id when the file is opened.

@@ -18,6 +18,7 @@
 #include "db/store/patient_code.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/schema_list.hpp"
+#include "db/store/session_number.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -295,6 +296,9 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
         }
         // An empty file in the place of one that was set aside is of the same hoist.
         ensure_hoist_id(handle, version == 0 && !report.kept_aside.empty() ? hoist_id_of(report.kept_aside) : std::string());
+        // Also at a later start: the one that set it aside may have been killed before. The damaged file itself might tell any number.
+        if (const auto sealed = report.kept_aside.empty() ? std::nullopt : Seal::read(report.kept_aside))
+          take_session_numbers(handle, sealed->session);
         connected->report_ = report;
         connected->lock_ = lock;
         return std::move(connected);

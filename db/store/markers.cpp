@@ -5,19 +5,24 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <string_view>
 
 #include "control/contract/step_line.hpp"
 #include "db/store/actor_rows.hpp"
 #include "db/store/overwriting.hpp"
 #include "db/store/session_checks.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
 namespace {
 
-constexpr const char* kMarkerRows =
-    "SELECT number, tick, utc_ns, text, user, role, origin, client, utc_ns - started_utc_ns, ifnull(kind, 'note') FROM markers "
-    "JOIN sessions ON sessions.id = session_id LEFT JOIN actors ON actors.id = actor_id WHERE session_id = ?1 ";
+std::string markers_sql(std::string_view more) {
+  return "SELECT m.number, m.tick, m.utc_ns, m.text, user, role, origin, client, " + time_of_step_sql("m.tick") +
+         " - s.start_time_ns, ifnull(m.kind, 'note') FROM markers AS m JOIN sessions AS s ON s.id = m.session_id "
+         "LEFT JOIN actors ON actors.id = m.actor_id WHERE m.session_id = ?1 " +
+         std::string(more);
+}
 
 MarkerInfo info_at(const Statement& row) {
   MarkerInfo info{.number = row.integer_at(0),
@@ -29,7 +34,7 @@ MarkerInfo info_at(const Statement& row) {
 }
 
 std::optional<MarkerInfo> marker_row(sqlite3* handle, SessionId session, std::int64_t number) {
-  Statement row(handle, std::string(kMarkerRows) + "AND number = ?2");
+  Statement row(handle, markers_sql("AND m.number = ?2"));
   return row.integer(1, session).integer(2, number).step() ? std::optional(info_at(row)) : std::nullopt;
 }
 
@@ -41,24 +46,24 @@ struct Moment {
 // A moment within the session's samples. Ticks follow each other at the step's period, also over a gap.
 Result<Moment> moment_at(sqlite3* handle, SessionId session, double time_s) {
   Statement row(handle,
-                "SELECT started_utc_ns, start_time_ns, (SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) FROM sessions "
-                "WHERE id = ?1");
+                "SELECT start_time_ns, (SELECT max(last_time_ns) FROM chunks WHERE session_id = sessions.id) FROM sessions WHERE id = ?1");
   row.integer(1, session).step();
-  const double end_s = row.is_null(2) ? 0 : static_cast<double>(row.integer_at(2) - row.integer_at(1)) / 1e9;
+  const double end_s = row.is_null(1) ? 0 : static_cast<double>(row.integer_at(1) - row.integer_at(0)) / 1e9;
   if (!(time_s >= 0 && time_s <= end_s)) {
     std::array<char, 32> most{};
     std::snprintf(most.data(), most.size(), "%.2f", std::floor(end_s * 100) / 100);
     return Error{ErrorKind::bad_value, std::string("time_s must be 0 to ") + most.data() + ", within the session", "time_s"};
   }
-  const auto since_ns = static_cast<std::int64_t>(std::llround(time_s * 1e9));
-  const std::int64_t time_ns = row.integer_at(1) + since_ns;
+  const std::int64_t time_ns = row.integer_at(0) + std::llround(time_s * 1e9);
   Statement near(
       handle,
       "SELECT first_tick, first_time_ns FROM chunks WHERE session_id = ?1 ORDER BY first_time_ns > ?2, abs(first_time_ns - ?2) LIMIT 1");
   near.integer(1, session).integer(2, time_ns).step();
   constexpr auto kPeriod_ns = static_cast<double>(contract::kStepPeriod_ns);
   const std::int64_t steps = std::llround(static_cast<double>(time_ns - near.integer_at(1)) / kPeriod_ns);
-  return Moment{static_cast<std::uint64_t>(std::max<std::int64_t>(0, near.integer_at(0) + steps)), row.integer_at(0) + since_ns};
+  Statement utc(handle, "SELECT " + utc_of_time_sql("?2") + " FROM sessions AS s WHERE s.id = ?1");
+  utc.integer(1, session).integer(2, time_ns).step();
+  return Moment{static_cast<std::uint64_t>(std::max<std::int64_t>(0, near.integer_at(0) + steps)), utc.integer_at(0)};
 }
 
 // The row that is to be changed; inside the transaction of its change.
@@ -78,7 +83,7 @@ Result<std::vector<MarkerInfo>> MarkerStore::list(SessionId session, std::int64_
     if (Statement known(handle, "SELECT 1 FROM sessions WHERE id = ?1"); !known.integer(1, session).step())
       return Error{ErrorKind::not_found, "there is no session " + std::to_string(session), {}};
     std::vector<MarkerInfo> out;
-    Statement rows(handle, std::string(kMarkerRows) + "AND number > ?2 ORDER BY number LIMIT ?3");
+    Statement rows(handle, markers_sql("AND m.number > ?2 ORDER BY m.number LIMIT ?3"));
     rows.integer(1, session).integer(2, after).unsigned_integer(3, limit);
     while (rows.step()) out.push_back(info_at(rows));
     return out;

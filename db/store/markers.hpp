@@ -15,7 +15,7 @@ namespace hoist::db {
 struct MarkerInfo {
   std::int64_t number = 0;  ///< within its session
   Marker marker;
-  double time_s = 0;  ///< since the session's start, by the wall clock
+  double time_s = 0;  ///< of its step, since the session's start
   std::string tag;    ///< of text, kind and time
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,7 @@
 #include "db/store/deletion.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/session_checks.hpp"
+#include "db/store/session_number.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
 
@@ -51,6 +53,7 @@ consteval std::array<int, kSignalCount> all_decimals() {
   return decimals;
 }
 constexpr std::array kDecimals = all_decimals();
+constexpr std::uint64_t kTick_ns = 10'000'000;
 constexpr std::size_t kTickColumn = *contract::find_signal("tick"), kTimeColumn = *contract::find_signal("time_ns");
 static_assert(kSignalCount <= kMaxChunkColumns);
 
@@ -220,10 +223,12 @@ struct SessionWriter::State {
   std::uint64_t durable_samples = 0;
   std::optional<std::uint64_t> durable_tick;
   std::optional<std::uint64_t> last_tick, last_time_ns;
+  std::uint64_t last_step_ns = 0;            // when last_tick was
   std::optional<std::uint32_t> last_missed;  // steps the core had left out by last_tick; absent when that is not known
   std::vector<BusRecord> bus_tail;           // frames since the newest complete bus chunk
   std::size_t bus_durable = 0;
   std::uint64_t bus_first = 0;
+  std::uint64_t event_step = 0, frame_step = 0;  // of the newest one that came, stored or not
   std::vector<JournalStep> journal;
   std::vector<JournalCommand> journal_commands;
   std::vector<CoreImage> images;
@@ -258,10 +263,12 @@ struct SessionWriter::State {
     durable_tick.reset();
     last_tick.reset();
     last_time_ns.reset();
+    last_step_ns = 0;
     last_missed.reset();
     bus_tail.clear();
     bus_durable = 0;
     bus_first = 0;
+    event_step = frame_step = 0;
     journal.clear();
     journal_commands.clear();
     images.clear();
@@ -277,20 +284,29 @@ struct SessionWriter::State {
   }
 
   void note_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason) {
-    // Neighbours of the same kind become one row: a disk that stays full costs one, not thousands.
-    if (!gaps.empty()) {
-      PendingGap& newest = gaps.back();
-      if (newest.stream == stream && newest.reason == reason && from_tick <= newest.to_tick + 1 && from_tick >= newest.from_tick) {
-        newest.to_tick = std::max(newest.to_tick, to_tick);
-        return;
-      }
+    const auto newest_first = gaps | std::views::reverse;
+    // Neighbours of one stream and reason become one row, also when the streams take turns: a disk that stays full costs a row per stream.
+    const auto like =
+        std::ranges::find_if(newest_first, [&](const PendingGap& gap) { return gap.stream == stream && gap.reason == reason; });
+    if (like != newest_first.end() && from_tick <= like->to_tick + 1 && from_tick >= like->from_tick) {
+      like->to_tick = std::max(like->to_tick, to_tick);
+      return;
     }
-    // Many different gaps while the disk refuses: the newest row is stretched rather than memory grown.
-    if (gaps.size() >= kMaxPendingRows) {
-      gaps.back().to_tick = std::max(gaps.back().to_tick, to_tick);
+    // Many different gaps while the disk refuses: the newest row of the stream is stretched rather than memory grown.
+    const auto same = std::ranges::find(newest_first, stream, &PendingGap::stream);
+    if (gaps.size() >= kMaxPendingRows && same != newest_first.end()) {
+      same->from_tick = std::min(same->from_tick, from_tick);
+      same->to_tick = std::max(same->to_tick, to_tick);
       return;
     }
     gaps.push_back({std::string(stream), std::string(reason), from_tick, to_tick});
+  }
+
+  // The step of a moment, counted from the newest step: steps follow the clock also where some were left out.
+  [[nodiscard]] std::uint64_t step_at(std::uint64_t time_ns) const {
+    if (!last_tick) return 0;
+    const std::uint64_t ago = time_ns < last_step_ns ? (last_step_ns - time_ns) / kTick_ns : 0;
+    return *last_tick - std::min(*last_tick, ago);
   }
 
   void write_tail() {
@@ -497,11 +513,7 @@ struct SessionWriter::State {
         "SELECT ?1, (SELECT coalesce(max(number) + 1, 0) FROM gaps WHERE session_id = ?1), 'ticks', newest + 1, ?2, 'storage_lost' "
         "FROM (SELECT max(last_tick) AS newest FROM chunks WHERE session_id = ?1) WHERE newest < ?2");
     gap.integer(1, lost.session).unsigned_integer(2, lost.last_tick).run();
-    execute(handle,
-            "INSERT INTO sqlite_sequence (name, seq) SELECT 'sessions', 0 WHERE NOT EXISTS "
-            "(SELECT 1 FROM sqlite_sequence WHERE name = 'sessions')");
-    Statement taken(handle, "UPDATE sqlite_sequence SET seq = max(seq, ?1) WHERE name = 'sessions'");
-    taken.integer(1, lost.session).run();
+    take_session_numbers(handle, lost.session);
     Statement count(handle, "UPDATE seal SET commits = commits + ?1");
     count.unsigned_integer(1, lost.commits).run();
     commit_sealed(transaction, lost.session, lost.last_tick);
@@ -790,6 +802,7 @@ Status SessionWriter::append_ticks(std::span<const TickRecord> records) {
       s.note_gap("ticks", *s.last_tick + 1, record.tick - 1, missing_reason(record.tick - 1 - *s.last_tick, left_out));
     }
     s.last_tick = record.tick;
+    s.last_step_ns = record.time_ns;
     s.last_missed = record.missed_ticks;
     const bool time_rises = !s.last_time_ns || record.time_ns > *s.last_time_ns;
     if (fit != Fit::ok || !time_rises || s.waiting() >= kMaxPendingSamples) {
@@ -814,11 +827,12 @@ Status SessionWriter::append_events(std::span<const Event> events) {
   State& s = *state_;
   if (s.session == 0) return no_session();
   for (const Event& event : events) {
-    if (s.events.size() >= kMaxPendingRows) {
-      s.note_gap("events", event.tick, event.tick, "storage");
-      continue;
-    }
-    s.events.push_back(event);
+    // From the step after the event before, so that steps without events divide no gap.
+    if (s.events.size() >= kMaxPendingRows)
+      s.note_gap("events", std::min(event.tick, s.event_step + 1), event.tick, "storage");
+    else
+      s.events.push_back(event);
+    s.event_step = event.tick;
   }
   return {};
 }
@@ -829,9 +843,11 @@ Status SessionWriter::append_bus(std::span<const BusRecord> frames) {
   const std::size_t room = kMaxPendingFrames > s.bus_tail.size() ? kMaxPendingFrames - s.bus_tail.size() : 0;
   const std::size_t taken = std::min(room, frames.size());
   s.bus_tail.insert(s.bus_tail.end(), frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(taken));
+  if (taken > 0) s.frame_step = s.step_at(frames[taken - 1].time_ns);
   if (taken < frames.size()) {
-    const std::uint64_t now = s.last_tick.value_or(0);
-    s.note_gap("bus", now, now, "storage");
+    const std::uint64_t from = std::min(s.step_at(frames[taken].time_ns), s.frame_step + 1);
+    s.frame_step = s.step_at(frames.back().time_ns);
+    s.note_gap("bus", from, std::max(from, s.frame_step), "storage");
     s.journal_next.reset();
   }
   return {};
@@ -881,6 +897,7 @@ Status SessionWriter::append_gap(std::string_view stream, std::uint64_t from_tic
   s.note_gap(stream, from_tick, to_tick, reason);
   if (stream == "bus") s.journal_next.reset();  // a step without its frames cannot be run again
   if (stream == "ticks" && (!s.last_tick || to_tick > *s.last_tick)) {
+    if (s.last_tick) s.last_step_ns += (to_tick - *s.last_tick) * kTick_ns;
     s.last_tick = to_tick;
     s.last_missed.reset();
   }

@@ -1,19 +1,82 @@
 #include "db/store/trend.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
 
+#include "db/store/exercise_json.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/task_record.hpp"
 #include "db/store/visits.hpp"
 
 namespace hoist::db {
 
-Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, std::size_t limit, std::optional<SessionId> before) {
-  if (limit == 0 || limit > kMaxPage) return Error{ErrorKind::bad_value, "limit must be 1 to " + std::to_string(kMaxPage), "limit"};
+using nlohmann::json;
+
+namespace {
+
+TrendSession session_at(const Statement& row) {
+  return {.session = row.integer_at(0),
+          .visit = row.integer_at(1),
+          .day = row.text_at(2),
+          .started_utc_ns = row.integer_at(3),
+          .exercise_json = row.optional_text_at(4)};
+}
+
+// The walk that others are to be comparable to, of any patient.
+std::optional<TrendSession> walk_of(sqlite3* handle, SessionId session) {
+  Statement row(handle, "SELECT exercise FROM sessions WHERE id = ?1");
+  if (!row.integer(1, session).step()) return std::nullopt;
+  return TrendSession{.session = session, .day = {}, .exercise_json = row.optional_text_at(0)};
+}
+
+// `rows`: from the newest walk to the oldest.
+void read_page(Statement& rows, std::size_t limit, const std::optional<json>& wanted, TrendPage& page) {
+  std::vector<std::pair<json, std::optional<TrendSession>>> kinds;  // with the oldest walk behind the items
+  while (rows.step()) {
+    TrendSession session = session_at(rows);
+    json kind = walked_as(session);
+    if (wanted && kind != *wanted) continue;
+    const auto known = std::ranges::find(kinds, kind, [](const auto& one) -> const json& { return one.first; });
+    if (page.items.size() < limit) {
+      if (known == kinds.end()) kinds.emplace_back(std::move(kind), std::nullopt);
+      page.items.push_back(std::move(session));
+    } else {
+      page.next = page.items.back().session;
+      if (known != kinds.end()) known->second = std::move(session);
+    }
+  }
+  for (auto& [kind, oldest] : kinds)
+    if (oldest) page.firsts.push_back(std::move(*oldest));
+  std::ranges::sort(page.firsts, std::ranges::greater{}, &TrendSession::session);
+}
+
+}  // namespace
+
+json walked_as(const TrendSession& session) {
+  json exercise = exercise_as_told(session.exercise_json);
+  if (exercise.is_null()) exercise = {{"shape", "free"}};
+  const auto task = task_of_stored(session.exercise_json);
+  return json::array({std::move(exercise), task ? json(task->task) : json(nullptr)});
+}
+
+bool comparable(const TrendSession& a, const TrendSession& b) { return walked_as(a) == walked_as(b); }
+
+Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, const TrendQuery& query) {
+  if (query.limit == 0 || query.limit > kMaxPage)
+    return Error{ErrorKind::bad_value, "limit must be 1 to " + std::to_string(kMaxPage), "limit"};
   return guarded([&]() -> Result<TrendPage> {
     sqlite3* handle = database.handle();
     Transaction transaction(handle, Transaction::Kind::read);
     if (!patient_row(handle, patient)) return Error{ErrorKind::not_found, "there is no patient " + std::to_string(patient), {}};
+    std::optional<json> wanted;
+    if (query.comparable_to) {
+      const auto walk = walk_of(handle, *query.comparable_to);
+      if (!walk) return Error{ErrorKind::not_found, "there is no session " + std::to_string(*query.comparable_to), {}};
+      wanted.emplace(walked_as(*walk));
+    }
     TrendPage page;
     const std::string of_patient =
         "FROM sessions JOIN visits ON visits.id = visit_id WHERE patient_id = ?1 AND ended_utc_ns IS NOT NULL AND standby = 0 AND "
@@ -21,19 +84,9 @@ Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, std::
     if (Statement count(handle, "SELECT count(*) " + of_patient + "1"); count.integer(1, patient).step())
       page.simulated = count.unsigned_at(0);
     Statement rows(handle, "SELECT sessions.id, visits.id, day, started_utc_ns, exercise " + of_patient +
-                               "0 AND sessions.id < ?2 ORDER BY sessions.id DESC LIMIT ?3");
-    rows.integer(1, patient).integer(2, before.value_or(std::numeric_limits<SessionId>::max())).unsigned_integer(3, limit + 1);
-    while (rows.step()) {
-      if (page.items.size() == limit) {
-        page.next = page.items.back().session;
-        break;
-      }
-      page.items.push_back({.session = rows.integer_at(0),
-                            .visit = rows.integer_at(1),
-                            .day = rows.text_at(2),
-                            .started_utc_ns = rows.integer_at(3),
-                            .exercise_json = rows.optional_text_at(4)});
-    }
+                               "0 AND sessions.id < ?2 ORDER BY sessions.id DESC");
+    rows.integer(1, patient).integer(2, query.before.value_or(std::numeric_limits<SessionId>::max()));
+    read_page(rows, query.limit, wanted, page);
     return page;
   });
 }

@@ -1,6 +1,7 @@
 // Which recordings a patient's trend is made of: those of a real hoist that have ended. What was walked in the simulator never enters it.
 #pragma once
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,13 +19,26 @@ struct TrendSession {
   std::int64_t started_utc_ns = 0;
   std::optional<std::string> exercise_json;
 };
+
+/// What makes walks comparable: [exercise with its sizes, name of the task or null]. Free walking is no exercise, or one that only a task names.
+[[nodiscard]] nlohmann::json walked_as(const TrendSession& session);
+/// Whether two walks may be compared: the same exercise with the same sizes, and the same task, whichever repetition.
+[[nodiscard]] bool comparable(const TrendSession& a, const TrendSession& b);
+
+struct TrendQuery {
+  std::size_t limit = 50;                       ///< 1 to kMaxPage
+  std::optional<SessionId> before = {};         ///< only older ones
+  std::optional<SessionId> comparable_to = {};  ///< only walks that may be compared with this one
+};
 struct TrendPage {
   std::vector<TrendSession> items;  ///< newest first
   std::optional<SessionId> next;
+  /// The oldest walk comparable to each of the items, where it is no item itself; newest first, all older than the items.
+  std::vector<TrendSession> firsts;
   std::uint64_t simulated = 0;  ///< ended recordings of this patient that were left out
 };
 
-/// `limit`: 1 to kMaxPage; `before`: only older ones. Errors: not_found, bad_value (limit), busy, io.
-Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, std::size_t limit, std::optional<SessionId> before);
+/// Errors: not_found (the patient, or `comparable_to`), bad_value (limit), busy, io.
+Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, const TrendQuery& query);
 
 }  // namespace hoist::db

@@ -14,10 +14,7 @@ namespace hoist::db {
 using nlohmann::json;
 
 namespace {
-json task_name(const TrendSession& session) {
-  const auto task = task_of_stored(session.exercise_json);
-  return task ? json(task->task) : json(nullptr);
-}
+json task_name(const TrendSession& session) { return walked_as(session)[1]; }
 
 // Only what it is called: walks are compared along the same points.
 json line_name(const TrendSession& session) {
@@ -25,19 +22,12 @@ json line_name(const TrendSession& session) {
   return task && !task->line.empty() ? json(task->line) : json(nullptr);
 }
 
-// What makes walks comparable. Free walking is no exercise, or one that only a task names.
-std::pair<json, json> kind_of(const TrendSession& session) {
-  json exercise = exercise_as_told(session.exercise_json);
-  if (exercise.is_null()) exercise = {{"shape", "free"}};
-  return {std::move(exercise), task_name(session)};
-}
-
 // The comparable entries in groups, what was walked last first.
 std::vector<std::vector<const TrendEntry*>> groups_of(std::span<const TrendEntry> entries) {
-  std::vector<std::pair<json, json>> kinds;
+  std::vector<json> kinds;
   std::vector<std::vector<const TrendEntry*>> groups;
   for (const TrendEntry& entry : entries) {
-    auto kind = kind_of(entry.session);
+    json kind = walked_as(entry.session);
     const auto at = std::ranges::find(kinds, kind) - kinds.begin();
     if (at == std::ssize(kinds)) {
       kinds.push_back(std::move(kind));
@@ -67,8 +57,6 @@ Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSes
   if (metrics.error().kind == ErrorKind::corrupt) return std::optional(TrendEntry{session, std::nullopt});
   return metrics.error();
 }
-
-bool comparable(const TrendSession& a, const TrendSession& b) { return kind_of(a) == kind_of(b); }
 
 std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries) {
   std::vector<FigureChange> all;

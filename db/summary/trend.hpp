@@ -21,9 +21,6 @@ struct TrendEntry {
 /// Nothing when the session was deleted meanwhile. Errors: busy, io.
 Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session);
 
-/// Whether two walks may be compared: the same exercise with the same sizes, and the same task, whichever repetition.
-[[nodiscard]] bool comparable(const TrendSession& a, const TrendSession& b);
-
 struct FigureChange {
   TrendSession walked;  ///< one of the compared sessions: their exercise and task
   std::string_view figure;

@@ -59,7 +59,10 @@ Response store_error(const db::Error& error, std::string_view path) {
   using db::ErrorKind;
   Problem problem{.status = 503, .name = "storage", .title = "The database does not answer", .detail = error.message};
   if (error.kind == ErrorKind::busy) problem.name = "busy";
-  if (error.kind == ErrorKind::disk_full) problem.name = "disk-full";
+  if (error.kind == ErrorKind::disk_full) {
+    problem.status = 507;
+    problem.name = "disk-full";
+  }
   if (error.kind == ErrorKind::not_found)
     problem = {.status = 404, .name = "unknown", .title = "There is no such thing", .detail = error.message};
   if (error.kind == ErrorKind::wrong_state) problem = {.status = 409, .name = "not-now", .title = "Not now", .detail = error.message};

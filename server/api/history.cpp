@@ -111,28 +111,35 @@ void list_alarms(const CallPtr& call) {
 }
 
 namespace {
+// `entries`: those of the page's items, then of its firsts.
 json trend_json(const db::TrendPage& page, const std::vector<db::TrendEntry>& entries) {
-  json items = json::array(), changes = json::array();
-  for (const db::TrendEntry& entry : entries) items.push_back(db::trend_item_json(entry));
+  json items = json::array(), firsts = json::array(), changes = json::array();
+  for (const db::TrendEntry& entry : entries)
+    (entry.session.session >= page.items.back().session ? items : firsts).push_back(db::trend_item_json(entry));
   for (const db::FigureChange& change : db::changes_in(entries)) changes.push_back(db::change_json(change));
-  return {
-      {"items", std::move(items)}, {"next", next_json(page.next)}, {"simulated_left_out", page.simulated}, {"changes", std::move(changes)}};
+  return {{"items", std::move(items)},
+          {"next", next_json(page.next)},
+          {"firsts", std::move(firsts)},
+          {"simulated_left_out", page.simulated},
+          {"changes", std::move(changes)}};
 }
 }  // namespace
 
 void get_trend(const CallPtr& call) {
   const auto id = path_id(call, "patient");
-  std::size_t limit = kTrendUsual;
-  std::optional<std::int64_t> before;
-  if (!id || !read_limit(call, limit, kTrendMost) || !read_cursor(call, before)) return;
+  db::TrendQuery wanted{.limit = kTrendUsual};
+  if (!id || !read_limit(call, wanted.limit, kTrendMost) || !read_cursor(call, wanted.before) ||
+      !read_id(call, "comparable_to", wanted.comparable_to))
+    return;
   using Page = db::Result<db::TrendPage>;
-  const auto list = [id = *id, limit, before](Records& records) -> Page {
+  const auto list = [id = *id, wanted](Records& records) -> Page {
     const auto database = database_for_piece(records);
-    return database ? db::trend_sessions(**database, id, limit, before) : Page(database.error());
+    return database ? db::trend_sessions(**database, id, wanted) : Page(database.error());
   };
   ask_recorder<Page>(call, list, [call](Page page) {
     if (!page) return call->respond(store_error(page.error(), call->request.path));
-    auto sessions = std::move(page->items);
+    std::vector<db::TrendSession> sessions = page->items;
+    sessions.insert(sessions.end(), page->firsts.begin(), page->firsts.end());
     read_trend(call, std::move(sessions),
                [call, page = std::move(*page)](const std::vector<db::TrendEntry>& entries) { call->respond(trend_json(page, entries)); });
   });

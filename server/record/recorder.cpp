@@ -51,6 +51,24 @@ bool may_hold_patient(const TickRecord& record) {
   const auto mode = static_cast<contract::Mode>(record.mode);
   return mode != contract::Mode::init && mode != contract::Mode::calibrate;
 }
+// The newest values that belong to no session yet, of one life of the core: another life counts its steps anew.
+template <typename T, std::size_t Most>
+class Kept {
+ public:
+  void add(std::uint64_t life, std::span<const T> more) {
+    if (more.empty()) return;
+    if (std::exchange(life_, life) != life) values_.clear();
+    values_.insert(values_.end(), more.begin(), more.end());
+    while (values_.size() > Most) values_.pop_front();
+  }
+  [[nodiscard]] const std::deque<T>& of(std::uint64_t life) const { return life == life_ ? values_ : kNone; }
+  void clear() { values_.clear(); }
+
+ private:
+  inline static const std::deque<T> kNone{};
+  std::uint64_t life_ = 0;
+  std::deque<T> values_;
+};
 // What a session is: a walk, or the time in standby before and after it while a patient is chosen, or begun by a person.
 enum class Kind : std::uint8_t { walk, standby, by_hand };
 }  // namespace
@@ -305,6 +323,8 @@ class Recorder::Work final : public Records {
 
  private:
   [[nodiscard]] bool session_open() const { return writer_ && writer_->recording(); }
+  // While the disk refuses its end, a session outlives its core; what the next core says is no part of it.
+  [[nodiscard]] bool takes_ticks() const { return session_open() && ticks_.life() == life_; }
 
   void log(const std::string& line) {
     if (owner_.options_.log)
@@ -494,19 +514,20 @@ class Recorder::Work final : public Records {
     std::vector<Event> events;
     // Also those of a beginning that could not be stored, as far as they are kept.
     first_tick_ = walk ? std::min(walk_from_, first.tick) : first.tick;
-    for (const Event& event : kept_events_)
+    for (const Event& event : kept_events_.of(life_))
       if (event.tick >= first_tick_) events.push_back(event);
     std::vector<BusRecord> frames;
     std::uint64_t frames_from_ns = first.time_ns > kTick_ns ? first.time_ns - kTick_ns : 0;
     // What is no walk begins at any step. Its journal begins with the newest image, so that all of it can be run again.
     if (const auto image = walk ? std::nullopt : journal_.image_before(life_, first.tick);
-        image && !kept_frames_.empty() && kept_frames_.front().time_ns < image->time_ns) {
+        image && !kept_frames_.of(life_).empty() && kept_frames_.of(life_).front().time_ns < image->time_ns) {
       journal_from_ = image->tick;
       frames_from_ns = std::min(frames_from_ns, image->time_ns);
     }
-    for (const BusRecord& frame : kept_frames_)
+    for (const BusRecord& frame : kept_frames_.of(life_))
       if (frame.time_ns >= frames_from_ns) frames.push_back(frame);
-    const bool events_dropped = kept_events_.size() == kKeptEvents && kept_events_.front().tick > walk_from_;
+    const auto& all = kept_events_.of(life_);
+    const bool events_dropped = all.size() == kKeptEvents && all.front().tick > walk_from_;
     kept_events_.clear();
     kept_frames_.clear();
     if (going_on_)
@@ -572,7 +593,7 @@ class Recorder::Work final : public Records {
       end(db::CloseReason::core_restarted);
     }
     std::size_t from = 0;
-    if (session_open() && !fresh_ && got.lost > 0 && tick_buffer_[0].tick > last_tick_ + 1)
+    if (takes_ticks() && !fresh_ && got.lost > 0 && tick_buffer_[0].tick > last_tick_ + 1)
       check(writer_->append_gap("ticks", last_tick_ + 1, tick_buffer_[0].tick - 1, "recorder_late"));
     for (std::size_t i = 0; i < got.count; ++i) {
       const TickRecord& record = tick_buffer_[i];
@@ -587,13 +608,13 @@ class Recorder::Work final : public Records {
         walk_from_ = std::exchange(walk_began_, std::nullopt).value_or(record.tick);
         begin_lost_ = walk_from_ < record.tick ? "server_absent" : "storage";
       }
-      if (starts && session_open() && kind_ != Kind::by_hand) {
+      if (starts && takes_ticks() && kind_ != Kind::by_hand) {
         append(from, i);
         from = i;
         end(db::CloseReason::finished);
       }
-      if (starts && session_open() && kind_ == Kind::by_hand) name_exercise();
-      if (session_open() && kind_ == Kind::standby && !end_again_ && standby_over(record)) {
+      if (starts && takes_ticks() && kind_ == Kind::by_hand) name_exercise();
+      if (takes_ticks() && kind_ == Kind::standby && !end_again_ && standby_over(record)) {
         append(from, i);
         from = i;
         end(db::CloseReason::finished);
@@ -612,7 +633,7 @@ class Recorder::Work final : public Records {
       if (!session_open()) from = i + 1;
       last_ = record;
       last_life_ = ticks_.life();
-      if (session_open() && kind_ == Kind::walk && over(record)) {
+      if (takes_ticks() && kind_ == Kind::walk && over(record)) {
         append(from, i + 1);
         from = i + 1;
         end(db::CloseReason::finished);
@@ -633,7 +654,7 @@ class Recorder::Work final : public Records {
   }
 
   void append(std::size_t from, std::size_t to) {
-    if (!session_open() || from >= to) return;
+    if (!takes_ticks() || from >= to) return;
     fresh_ = false;
     samples_ += to - from;
     last_tick_ = tick_buffer_[to - 1].tick;
@@ -694,18 +715,13 @@ class Recorder::Work final : public Records {
       std::size_t to = got.count;
       while (to > from && event_buffer_[to - 1].tick > until_tick) --to;
       if (from < to) check(writer_->append_events(std::span(event_buffer_).subspan(from, to - from)));
-      keep_events(to, got.count);
+      kept_events_.add(events_.life(), std::span(event_buffer_).subspan(to, got.count - to));
     } else {
-      keep_events(0, got.count);
+      kept_events_.add(events_.life(), std::span(event_buffer_).first(got.count));
     }
     events_seen_ = events_seen_ || got.count > 0;
     if (got.count > 0) event_tick_ = event_buffer_[got.count - 1].tick;
     return got.count;
-  }
-
-  void keep_events(std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i < to; ++i) kept_events_.push_back(event_buffer_[i]);
-    while (kept_events_.size() > kKeptEvents) kept_events_.pop_front();
   }
 
   // With `until_ns`, what is later waits for the next session.
@@ -724,17 +740,13 @@ class Recorder::Work final : public Records {
       std::size_t to = got.count;
       while (to > from && bus_buffer_[to - 1].time_ns > until_ns) --to;
       if (from < to) check(writer_->append_bus(std::span(bus_buffer_).subspan(from, to - from)));
-      keep_frames(to, got.count);
+      kept_frames_.add(bus_.life(), std::span(bus_buffer_).subspan(to, got.count - to));
     } else {
-      keep_frames(0, got.count);
+      kept_frames_.add(bus_.life(), std::span(bus_buffer_).first(got.count));
     }
     frames_seen_ = frames_seen_ || got.count > 0;
     if (got.count > 0) frame_time_ns_ = bus_buffer_[got.count - 1].time_ns;
     return got.count;
-  }
-  void keep_frames(std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i < to; ++i) kept_frames_.push_back(bus_buffer_[i]);
-    while (kept_frames_.size() > kKeptFrames) kept_frames_.pop_front();
   }
 
   void read_journal() {
@@ -805,8 +817,8 @@ class Recorder::Work final : public Records {
   std::vector<TickRecord> tick_buffer_;
   std::vector<Event> event_buffer_;
   std::vector<BusRecord> bus_buffer_;
-  std::deque<Event> kept_events_;
-  std::deque<BusRecord> kept_frames_;
+  Kept<Event, kKeptEvents> kept_events_;
+  Kept<BusRecord, kKeptFrames> kept_frames_;
   std::shared_ptr<db::WriteLock> lock_;
   std::optional<db::Database> writing_;
   std::optional<db::Database> reading_;

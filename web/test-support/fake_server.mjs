@@ -1268,6 +1268,7 @@ export function startFakeServer({
         return send(200, {
           items: one.visits === 0 ? [] : trend,
           next: null,
+          firsts: [],
           changes: one.visits === 0 ? [] : trendChanges,
           simulated_left_out: one.visits === 0 ? 0 : 2,
         });

@@ -1,6 +1,7 @@
 // What was changed, set back or written by two people at once, in a browser with the stand-in server.
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import type { Trend } from '../src/contract/rest.gen';
 import { en } from '../src/text/en';
 import { openBuiltConsole, type BuiltConsole } from '../test-support/browser';
 import { startFakeServer, type FakeServer } from '../test-support/fake_server.mjs';
@@ -181,5 +182,20 @@ describe('the trend', { timeout: minutes_ms }, () => {
     expect(gaps).toContain('Part of this walk is not recorded.');
     expect(gaps).toContain(en['trend.unreadable']);
     await page.getByText('2 recordings of the simulation are left out.').waitFor();
+  });
+
+  it('is told against the first walk of the same exercise also where a page does not reach it', async () => {
+    await page.route('**/trend?*', async (route) => {
+      const answer = await route.fetch();
+      const whole = (await answer.json()) as Trend;
+      const [first] = whole.items.slice(-1).map((item) => ({ ...item, session: 1, day: '2020-01-31' }));
+      const changes = whole.changes.map((one) => ({ ...one, first_session: 1, first: one.last - 1, reason_code: null }));
+      const alike = route.request().url().includes(`limit=49&comparable_to=${whole.items[0]!.session}`);
+      await route.fulfill({ json: alike ? { ...whole, firsts: [first], changes } : { ...whole, next: '5' } });
+    });
+    await open('patients/5');
+    await page.getByText(/more than on .*2020/).waitFor();
+    expect(await page.locator('.trend-plot').textContent(), 'it begins there').toMatch(/2020/);
+    await page.unroute('**/trend?*');
   });
 });

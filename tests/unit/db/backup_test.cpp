@@ -133,6 +133,28 @@ TEST_F(Backup, IsListedAndPutBack) {
   EXPECT_EQ(SessionReader(*present).list()->sessions.at(0).id, 3) << "number 2 stands on paper for another session";
 }
 
+TEST_F(Backup, OfAFileWithoutSessionsGivesNoNumberAgain) {
+  const fs::path other = folder_ / "other.db";
+  {
+    auto empty = Database::open(other);
+    ASSERT_TRUE(back_up(*empty, options(), kGoOn).ok());
+  }
+  const fs::path backup = list_backups(stick_).at(0).folder;
+  record(2);
+  const auto restored = [&] {
+    auto prepared = prepare_restore(backup, file_, kGoOn);
+    ASSERT_TRUE(prepared.ok() && *prepared) << prepared.error().message;
+    ASSERT_TRUE(finish_restore(**prepared, file_, kStartUtc_ns).ok());
+    record(3);
+  };
+  restored();
+  EXPECT_EQ(SessionReader(*Database::attach(file_)).list()->sessions.at(0).id, 3);
+  // Now the present file is damaged; its seal is whole.
+  for (std::uintmax_t at = 100; at < 1000; ++at) flip(file_, at);
+  restored();
+  EXPECT_EQ(SessionReader(*Database::attach(file_)).list()->sessions.at(0).id, 4);
+}
+
 // Two hoists with one id would be one in every archive.
 TEST_F(Backup, OnAnotherHoistItBringsRecordingsButNeitherIdNorName) {
   std::string first;

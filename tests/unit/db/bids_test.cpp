@@ -16,6 +16,7 @@
 #include "db/export/bids.hpp"
 #include "db/store/hoist_id.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/tasks.hpp"
 #include "tests/unit/db/db_support.hpp"
 
 namespace hoist::db::test {
@@ -166,8 +167,15 @@ TEST_F(Bids, NamesFollowPatientDayTaskAndRun) {
   EXPECT_EQ(order_, expected);
 }
 
+TEST_F(Bids, ACodeIsNotTakenForAPatientWithoutOne) {
+  const Files all = files_of({record(std::nullopt, 0, kStraight), record("unknown1", 0, kStraight)});
+  EXPECT_EQ(all.at("participants.tsv"), "participant_id\tcode\nsub-unknown1\tn/a\nsub-unknown1x\tunknown1\n");
+}
+
 TEST_F(Bids, TheDataSetDescribesItself) {
-  const Files all = files_of({record("P-017", 0, kStraight)});
+  TaskRecord task{.task = "own_line", .line = "Zdenka's way"};
+  const std::string own = stored_with_task(contract::usual_exercise(contract::ExerciseShape::own), task);
+  const Files all = files_of({record("P-017", 0, kStraight), record("P-017", 0, own)});
   EXPECT_EQ(json::parse(all.at("dataset_description.json")),
             (json{{"Name", "Walks with a Hoist"},
                   {"BIDSVersion", "1.10.0"},

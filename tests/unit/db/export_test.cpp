@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <charconv>
 #include <cmath>
@@ -18,6 +19,8 @@
 #include "db/export/session_export.hpp"
 #include "db/export/source.hpp"
 #include "db/metrics/metric_list.hpp"
+#include "db/store/alarms.hpp"
+#include "db/store/markers.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 #include "db/summary/session_metrics.hpp"
@@ -179,6 +182,45 @@ TEST(Csv, a_clock_that_was_set_moves_utc_and_nothing_else) {
   EXPECT_NEAR(std::stod(csv.rows[200][1]), 2.0, 0.001);
 }
 
+// H26
+TEST(Markers, a_clock_that_was_set_moves_their_utc_and_not_their_time) {
+  constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+  Fixture f;
+  std::vector<TickRecord> records = Walk(23).records(0, 300);
+  records.front().time_ns = kStart_ns;
+  f.record(start_of_walk(), records);
+  ASSERT_TRUE(f.writer.append_utc_anchor(kStart_ns + 2'000'000'000, kStartUtc_ns + 2'000'000'000 + kHour_ns).ok());
+  ASSERT_TRUE(f.writer.append_marker(250, kStartUtc_ns + 2'500'000'000 + kHour_ns, "after").ok());
+  contract::Event alarm;
+  alarm.tick = 260;
+  alarm.time_ns = kStart_ns + 2'600'000'000;
+  alarm.kind = contract::EventKind::fault_raised;
+  ASSERT_TRUE(f.writer.append_events(std::span(&alarm, 1)).ok());
+  f.end();
+  MarkerStore store(f.database);
+  EXPECT_DOUBLE_EQ(store.list(f.id, -1, 10)->at(0).time_s, 2.5);
+  const std::string csv = whole(f.database, f.id, {.format = ExportFormat::events, .comments = false});
+  EXPECT_NE(csv.find("\n2026-09-21T15:13:22.623456Z,2.500000,250,marker,"), std::string::npos) << csv;
+  std::ofstream(f.dir / "plain.db") << whole(f.database, f.id, {.format = ExportFormat::sqlite});
+  sqlite3* plain = nullptr;
+  ASSERT_EQ(sqlite3_open_v2((f.dir / "plain.db").c_str(), &plain, SQLITE_OPEN_READONLY, nullptr), SQLITE_OK);
+  {
+    Statement row(plain, "SELECT time_s, utc FROM markers");
+    ASSERT_TRUE(row.step());
+    EXPECT_DOUBLE_EQ(row.real_at(0), 2.5);
+    EXPECT_EQ(row.text_at(1), "2026-09-21T15:13:22.623456Z");
+  }
+  sqlite3_close_v2(plain);
+  // Moved to moments before and after.
+  EXPECT_EQ(store.change(f.id, 0, {.text = {}, .kind = {}, .time_s = 2.25}, "")->marker.utc_ns, kStartUtc_ns + 2'250'000'000 + kHour_ns);
+  EXPECT_EQ(store.change(f.id, 0, {.text = {}, .kind = {}, .time_s = 1.25}, "")->marker.utc_ns, kStartUtc_ns + 1'250'000'000);
+  EXPECT_EQ(store.list(f.id, -1, 10)->at(0).marker.tick, 125U);
+  const std::int64_t utc_ns = kStartUtc_ns + 2'600'000'000 + kHour_ns;
+  EXPECT_EQ(stored_alarms(f.database, {})->items.at(0).utc_ns, utc_ns);
+  EXPECT_EQ(stored_alarms(f.database, {.from_utc_ns = utc_ns, .to_utc_ns = utc_ns + 1})->items.size(), 1U);
+  EXPECT_TRUE(stored_alarms(f.database, {.to_utc_ns = utc_ns})->items.empty());
+}
+
 TEST(Csv, an_export_of_a_running_session_ends_where_it_began_also_when_the_session_is_folded_meanwhile) {
   Fixture f;
   Walk walk(24);
@@ -212,7 +254,9 @@ TEST(Csv, an_export_of_a_running_session_ends_where_it_began_also_when_the_sessi
 
 TEST(EventsCsv, events_and_markers_in_order_with_harmless_texts) {
   Fixture f;
-  f.record(start_of_walk(), Walk(25).records(0, 10));
+  std::vector<TickRecord> records = Walk(25).records(0, 10);
+  records.front().time_ns = kStart_ns;
+  f.record(start_of_walk(), records);
   contract::Event event;
   event.tick = 8;
   event.time_ns = kStart_ns + 80'000'000;

@@ -15,6 +15,7 @@
 #include "db/export/bundle.hpp"
 #include "db/report/definitions.hpp"
 #include "db/report/pictures.hpp"
+#include "db/store/sqlite.hpp"
 #include "db/store/tasks.hpp"
 #include "db/summary/session_json.hpp"
 #include "tests/support/shell.hpp"
@@ -267,6 +268,30 @@ TEST(Report, ASimulatedSessionSaysSoAndHasNoProgress) {
   EXPECT_NE(r.report(r.sessions[2]).find("Simulation: nobody walked."), std::string::npos);
   EXPECT_EQ(r.report(r.sessions[1]).find("Simulation"), std::string::npos);
   EXPECT_NE(r.report(r.sessions[1]).find("<h2>Progress</h2>"), std::string::npos);
+}
+
+TEST(Report, ProgressIsToldAgainstTheFirstWalkOfTheSameExerciseHoweverManyCameSince) {
+  Recorded r;
+  for (const char* exercise : {R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})", R"({"shape":"square","side_m":3.2})"}) {
+    r.walk("P-01", "", false, exercise);
+    r.end();
+  }
+  // More of each than a report takes.
+  for (const char* session : {"1", "2"})
+    execute(r.database.handle(), ("CREATE TEMP TABLE copy AS SELECT * FROM sessions WHERE id = " + std::string(session) +
+                                  "; UPDATE copy SET id = NULL; "
+                                  "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 55) "
+                                  "INSERT INTO sessions SELECT copy.* FROM copy, n; DROP TABLE copy")
+                                     .c_str());
+  r.walk("P-01", "");
+  r.end();
+  const auto trend = report_trend(r.database, *SessionReader(r.database).get(r.sessions.back()));
+  ASSERT_TRUE(trend.ok()) << trend.error().message;
+  ASSERT_EQ(trend->size(), 50U);
+  EXPECT_EQ(trend->front().session, 113);
+  EXPECT_EQ((*trend)[1].session, 57) << "the squares between are another exercise";
+  EXPECT_EQ((*trend)[48].session, 10);
+  EXPECT_EQ(trend->back().session, 1);
 }
 
 TEST(Report, AGroupCountsValidValuesOnly) {

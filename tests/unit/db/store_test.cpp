@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <optional>
 #include <random>
 
@@ -386,6 +387,17 @@ TEST(Open, a_number_that_was_lost_with_its_session_is_not_given_again) {
   Database cut = open_at(dir / "cut.db");
   ASSERT_TRUE(cut.report().lost.has_value()) << "a file that is gone has lost all";
   EXPECT_EQ(record_session(cut, 100, 4), 4);
+}
+
+TEST(Open, a_number_of_a_file_that_was_set_aside_is_not_given_again) {
+  TemporaryFolder dir;
+  OpenOptions options;
+  for (SessionId next = 1; next < 4; ++next) {
+    options.utc_now_ns = kStartUtc_ns + next * 1'000'000'000;
+    Database database = open_at(dir / "hoist.db", options);
+    EXPECT_EQ(record_session(database, 100, 4), next);
+    options.damage = "a page is damaged";
+  }
 }
 
 TEST(Open, a_seal_of_another_file_or_a_damaged_one_says_nothing) {
@@ -800,6 +812,75 @@ TEST(Writer, a_full_disk_is_told_and_what_fits_later_is_complete) {
   const std::vector<TickRecord> expected(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(gaps->front().from_tick));
   EXPECT_GE(expected.size(), before.samples + kMaxPendingSamples - kCommitSamples);
   expect_recorded(database, *id, expected);
+}
+
+// As the recorder feeds it: the steps of a pass, then their frames.
+TEST(Writer, a_disk_that_stays_full_costs_one_gap_of_each_stream) {
+  TemporaryFolder dir;
+  OpenOptions options;
+  options.max_pages = 60;
+  Database database = open_at(dir / "hoist.db", options);
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  ASSERT_TRUE(id.ok());
+  Walk walk(14);
+  constexpr std::uint64_t kPerStep = 20;
+  const auto pass = [&](std::uint64_t first) {
+    const std::vector<TickRecord> records = walk.records(first, 5);
+    std::vector<BusRecord> frames;
+    std::vector<Event> events;
+    for (const TickRecord& record : records) {
+      for (std::uint64_t k = 0; k < kPerStep; ++k) {
+        BusRecord frame;
+        frame.time_ns = record.time_ns - 100'000 * (kPerStep - k);
+        frame.data = record.tick;
+        frames.push_back(frame);
+      }
+      Event event;
+      event.tick = record.tick;
+      if (record.tick % 3 != 0) events.insert(events.end(), 2, event);
+    }
+    (void)writer.append_ticks(records);
+    (void)writer.append_events(events);
+    (void)writer.append_bus(frames);
+  };
+  std::uint64_t tick = 0;
+  for (; tick < 12000; tick += 5) pass(tick);
+  execute(database.handle(), "PRAGMA max_page_count = 100000");
+  ASSERT_TRUE(writer.commit().ok());
+  for (; tick < 12100; tick += 5) pass(tick);
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  const auto gaps = SessionReader(database).gaps(*id);
+  ASSERT_TRUE(gaps.ok());
+  ASSERT_EQ(gaps->size(), 3U);
+  const auto frames = SessionReader(database).bus_frames(*id, 0, 1'000'000);
+  const auto after = std::ranges::adjacent_find(*frames, [](const BusRecord& a, const BusRecord& b) { return b.data > a.data + 1; });
+  ASSERT_NE(after, frames->end());
+  for (const Gap& gap : *gaps) {
+    EXPECT_EQ(gap.reason, "storage") << gap.stream;
+    EXPECT_NEAR(static_cast<double>(gap.to_tick), 11999, 1) << gap.stream;
+    if (gap.stream == "bus") {
+      EXPECT_EQ(gap.from_tick, after->data + 1) << "the first step whose frames found no room";
+    }
+  }
+}
+
+TEST(Writer, more_gaps_than_may_wait_stretch_the_newest_of_their_stream) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> id = writer.begin(start_of_walk());
+  ASSERT_TRUE(writer.append_gap("ticks", 1, 2, "not_received").ok());
+  for (std::uint64_t i = 1; i < kMaxPendingRows; ++i) ASSERT_TRUE(writer.append_gap("bus", 10 * i, 10 * i, "recorder_late").ok());
+  ASSERT_TRUE(writer.append_gap("ticks", 200'000, 200'001, "not_received").ok());
+  ASSERT_TRUE(writer.append_gap("bus", 300'000, 300'001, "recorder_late").ok());
+  ASSERT_TRUE(writer.append_gap("events", 400'000, 400'001, "recorder_late").ok());
+  ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  const auto gaps = SessionReader(database).gaps(*id);
+  EXPECT_EQ(gaps->size(), kMaxPendingRows + 1) << "a stream without a gap gets its first";
+  std::map<std::string, std::uint64_t> until;
+  for (const Gap& gap : *gaps) until[gap.stream] = std::max(until[gap.stream], gap.to_tick);
+  EXPECT_EQ(until, (std::map<std::string, std::uint64_t>{{"ticks", 200'001}, {"bus", 300'001}, {"events", 400'001}}));
 }
 
 TEST(Writer, a_locked_database_is_busy_and_loses_nothing) {

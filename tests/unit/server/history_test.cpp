@@ -257,6 +257,12 @@ TEST_F(History, ATrendHoldsNoSimulatedWalk) {
   EXPECT_EQ((*walked)["learning"], json({{"walks", 2}, {"visits", 1}, {"slope", nullptr}, {"reason_code", "few_walks"}}));
   const json page = get(path + "?limit=1").json();
   EXPECT_EQ(page["items"].size(), 1U);
+  ASSERT_EQ(page["firsts"].size(), 1U) << "the first one of all, beyond the page";
+  EXPECT_EQ(page["firsts"][0], trend["items"][1]);
+  EXPECT_EQ(page["changes"], trend["changes"]);
+  EXPECT_EQ(trend["firsts"], json::array());
+  EXPECT_EQ(get(path + "?comparable_to=" + std::to_string(real[0])).json(), trend);
+  EXPECT_EQ(get(path + "?comparable_to=99").status, 404U);
   EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);
   EXPECT_EQ(get(path + "?limit=51").status, 422U);
   EXPECT_EQ(get("/api/v1/patients/99/trend").status, 404U);

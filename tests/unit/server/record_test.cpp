@@ -483,6 +483,13 @@ class TakeOver : public ::testing::Test {
     recorder_.reset();
     link_.reset();
   }
+  // The core ends and another one takes its place, whose steps happen to go on with higher numbers.
+  void next_core() {
+    std::string error;
+    core_ = publish::CoreLink::create("", kLife_ns + 1, static_cast<std::uint64_t>(kUtc_ns), error);
+    ASSERT_NE(core_, nullptr) << error;
+    ASSERT_TRUE(link_->attach_directly(*core_, error)) << error;
+  }
   // A walk of an exercise whose server dies in the middle of it. The newest step that is stored.
   void walk_and_die() {
     live();
@@ -553,6 +560,21 @@ class TakeOver : public ::testing::Test {
   contract::TickRecord record_{};
   std::int64_t clock_set_ns_ = 0;  // by which the wall clock was set
 };
+
+TEST_F(TakeOver, WhatTheFirstCoreSaidBeforeAnySessionEntersNoneOfTheNextCore) {
+  live();
+  publish(300, Mode::standby);
+  event(contract::EventKind::fault_raised, 3);
+  publish(10, Mode::standby);
+  record_.tick = 0;  // counts its steps anew
+  next_core();
+  publish(20, Mode::standby);
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 1U);
+  EXPECT_TRUE(session(1).alarms.empty());
+  EXPECT_EQ(session(1).events, 2U) << "begin and end of the walk";
+}
 
 // On a busy computer the file may take longer to open than a person to press a button: what waited is done before the next step comes.
 TEST_F(TakeOver, ARecordingByHandNeedNotWaitForTheNextStep) {
@@ -847,6 +869,32 @@ TEST_F(RefusingDisk, AMarkerThatWasRefusedIsNotStoredLater) {
   const auto markers = db::SessionReader(*database).markers(id);
   for (const db::Marker& marker : *markers) texts.push_back(marker.text);
   EXPECT_EQ(texts, (std::vector<std::string>{"before", "after"}));
+}
+
+TEST_F(RefusingDisk, NothingOfTheNextCoreEntersTheSessionOfTheFirst) {
+  live();
+  publish(300, Mode::user);
+  const std::uint64_t until = record_.tick;
+  disk_.fail(1.0);
+  next_core();
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  publish(200, Mode::user);
+  disk_.fail(0);
+  publish(300, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), second = session(2);
+  EXPECT_EQ(first.info.close_reason, "core_restarted");
+  EXPECT_EQ(first.ticks.back(), until);
+  EXPECT_EQ(first.frames.back(), until);
+  EXPECT_TRUE(first.gaps.empty());
+  EXPECT_EQ(second.info.core_start_time_ns, kLife_ns + 1);
+  ASSERT_FALSE(second.gaps.empty());
+  EXPECT_EQ(second.gaps[0].stream, "ticks");
+  EXPECT_EQ(second.gaps[0].from_tick, until + 501) << "the walk under way";
+  EXPECT_EQ(second.gaps[0].to_tick, second.ticks.front() - 1);
+  EXPECT_EQ(second.gaps[0].reason, "storage");
 }
 
 TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {

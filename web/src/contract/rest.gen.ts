@@ -1906,25 +1906,11 @@ export type ToolsRequest = {
 export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
 
 export type Trend = {
-  /** Of this page: newest value against the first one, of each figure, within one exercise and task. */
+  /** Newest value of this page against the first one of all, of each figure, within one exercise and task. */
   changes: readonly FigureChange[];
-  items: readonly ({
-    day: string;
-    exercise: ExerciseOrNull;
-    /** null: the recording cannot be read. */
-    figures: TrendFigures | null;
-    /** Name of an own line when it was walked. */
-    line: string | null;
-    /** Why there is no C, J_N, or one of them. */
-    reason_code: NoFigure | null;
-    /** Of each figure that is null: why. */
-    reasons: Record<string, NoFigure>;
-    session: number;
-    started_utc_ms: number;
-    /** Name of the task that it is a repetition of; walks are compared within one exercise and task. */
-    task: string | null;
-    visit: number;
-  })[];
+  /** The first walk of each exercise and task among the items, where it is older than this page; newest first. */
+  firsts: readonly TrendItem[];
+  items: readonly TrendItem[];
   next: string | null;
   /** Recordings of this patient with a simulated hoist. */
   simulated_left_out: number;
@@ -2040,6 +2026,24 @@ export type TrendFigures = {
   walking_s: number;
   /** Mean speed in these bouts: setting off, stopping and standing hardly count. */
   walking_speed_m_s: number | null;
+};
+
+export type TrendItem = {
+  day: string;
+  exercise: ExerciseOrNull;
+  /** null: the recording cannot be read. */
+  figures: TrendFigures | null;
+  /** Name of an own line when it was walked. */
+  line: string | null;
+  /** Why there is no C, J_N, or one of them. */
+  reason_code: NoFigure | null;
+  /** Of each figure that is null: why. */
+  reasons: Record<string, NoFigure>;
+  session: number;
+  started_utc_ms: number;
+  /** Name of the task that it is a repetition of; walks are compared within one exercise and task. */
+  task: string | null;
+  visit: number;
 };
 
 /** Only on trial: the values before come back after so many seconds unless confirmed. */
@@ -2486,7 +2490,7 @@ export interface Routes {
   /** Figures of a patient's sessions, newest first; recordings of a simulated hoist never enter it. */
   'GET /api/v1/patients/{id}/trend': {
     path: { id: number };
-    query?: { limit?: number; cursor?: string };
+    query?: { limit?: number; cursor?: string; comparable_to?: number };
     answer: Trend;
   };
   /** Sets the odometry's pose while standing still. */

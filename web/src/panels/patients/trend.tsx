@@ -17,9 +17,10 @@ import './trend.css';
 addTexts(texts);
 
 const sessionsMost = 50;
+const askFor = (id: number, query: { limit: number; comparable_to?: number }) => rest('GET /api/v1/patients/{id}/trend', { path: { id }, query });
 
 export function TrendCard({ patient, again }: { patient: number; again: string }) {
-  const asked = useQuery(() => rest('GET /api/v1/patients/{id}/trend', { path: { id: patient }, query: { limit: sessionsMost } }), [patient, again]);
+  const asked = useQuery(() => askFor(patient, { limit: sessionsMost }), [patient, again]);
   const [key, setKey] = useState<MetricKey>('walking_speed_m_s');
   const [chosen, setChosen] = useState<string | null>(null);
   const items = asked.value?.items ?? [];
@@ -27,8 +28,12 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   const kinds = walkedOf(items);
   const walked = chosen !== null && kinds.has(chosen) ? chosen : ([...kinds.keys()][0] ?? '');
   const figure = metrics.find((one) => one.key === key)!;
-  const points = pointsOf(items, walked, key);
-  const change = changeOf(asked.value?.changes ?? [], walked, key);
+  // One page holds walks of all kinds; with more of them, those like the newest of the chosen kind are asked for, beside the first.
+  const newest = asked.value?.next == null ? undefined : kinds.get(walked)?.session;
+  const alike = useQuery(newest === undefined ? null : () => askFor(patient, { limit: sessionsMost - 1, comparable_to: newest }), [patient, again, newest]);
+  const told = alike.value?.items[0]?.session === newest ? (alike.value ?? asked.value) : asked.value;
+  const points = pointsOf([...(told?.items ?? []), ...(told?.firsts ?? [])], walked, key);
+  const change = changeOf(told?.changes ?? [], walked, key);
   const left = asked.value?.simulated_left_out ?? 0;
   return (
     <section class="card trend">

@@ -8,9 +8,9 @@ export type TrendItem = Trend['items'][number];
 export type Walked = Pick<TrendItem, 'exercise' | 'task' | 'line'>;
 export const walkedKey = ({ exercise, task }: Pick<Walked, 'exercise' | 'task'>): string => JSON.stringify([exercise ?? { shape: 'free' }, task]);
 
-/** What was walked in a trend, the last one first, by its newest name. */
-export function walkedOf(items: readonly TrendItem[]): Map<string, Walked> {
-  const kinds = new Map<string, Walked>();
+/** What was walked in a trend, the last one first: the newest walk of each. */
+export function walkedOf(items: readonly TrendItem[]): Map<string, TrendItem> {
+  const kinds = new Map<string, TrendItem>();
   for (const item of items) if (!kinds.has(walkedKey(item))) kinds.set(walkedKey(item), item);
   return kinds;
 }
