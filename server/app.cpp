@@ -90,7 +90,7 @@ std::filesystem::path beside_this(const char* name) {
 std::int64_t utc_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
-std::uint64_t utc_s() { return static_cast<std::uint64_t>(utc_ns() / 1'000'000'000); }
+Clocks clocks() { return clocks_of(utc_ns(), steady_ns()); }
 
 bool is_every_address(const std::string& address) { return address == "0.0.0.0" || address == "::"; }
 std::string in_url(const std::string& address) { return address.find(':') == std::string::npos ? address : "[" + address + "]"; }
@@ -233,6 +233,8 @@ struct App::Parts {
   void poll() {
     const std::uint64_t now = steady_ns();
     core.poll(now);
+    state.poll(now);
+    recorder.set_attached(core.link().attached());
     moving.store(core.newest() && core.newest()->mode < contract::kModes.size() && contract::kModes[core.newest()->mode].moving,
                  std::memory_order_relaxed);
     history.poll(now);
@@ -289,7 +291,7 @@ struct App::Parts {
 
   // A sign-in or token that has ended is no client any more. Its STOP is one with a new number.
   void give_back_number(Session& session) {
-    if (session.client == 0 || session.client == core.lease_holder() || !Auth::over(session, utc_s())) return;
+    if (session.client == 0 || session.client == core.lease_holder() || !Auth::over(session, clocks())) return;
     state.asks().remove(session.client);
     session.client = 0;
     session.number.reset();
@@ -445,7 +447,7 @@ namespace {
 // Those from before this start, oldest first, so that the newest are found first on their devices.
 void load_people(db::Accounts& accounts, Auth& auth) {
   if (const auto rows = accounts.sign_ins())
-    for (auto row = rows->rbegin(); row != rows->rend(); ++row) auth.add_account(session_of(*row));
+    for (auto row = rows->rbegin(); row != rows->rend(); ++row) auth.add_account(session_of(*row), clocks());
   if (const auto rows = accounts.tokens())
     for (const db::Token& row : *rows) auth.add_token(session_of(row));
 }
@@ -492,7 +494,7 @@ bool App::start(std::string& error) {
              const auto used_s = static_cast<std::int64_t>(session.used_utc_s);
              p.people.tell([digest = session.digest, used_s](PeopleRoom& room) { (void)room.accounts.use_sign_in(digest, used_s); });
            }},
-      utc_s(), error);
+      clocks(), error);
   if (!p.auth) return false;
   if (p.people.problem().empty()) load_people(p.people.accounts(), *p.auth);
   p.services.reset(new Services{

@@ -146,8 +146,15 @@ std::uint64_t ServerLink::send(contract::Command& command) noexcept {
   const std::size_t kept = command.kind == contract::CommandKind::stop ? 0 : kSlotsForStop;
   if (sent_ - taken >= contract::kCommandSlots - kept) return 0;
   command.sequence = ++sent_;
+  newest_stop_ = command.kind == contract::CommandKind::stop ? command.request_id : 0;
   ring_write(command_.mapping->as<CommandSegment>()->commands, command);
   return sent_;
+}
+
+std::uint32_t ServerLink::untaken_stop() const noexcept {
+  if (!command_.mapping || !state_) return 0;
+  const std::uint64_t taken = state_->as<const StateSegment>()->header.commands_taken.load(std::memory_order_acquire);
+  return taken < sent_ ? newest_stop_ : 0;
 }
 
 void ServerLink::drive(const contract::DriveCommand& command) noexcept {

@@ -60,6 +60,8 @@ class ServerLink {
   // Gives the command its sequence and stores it. Returns the sequence, or 0 when no core is attached or it has not read the last ones: a STOP finds
   // a slot when nothing else does.
   std::uint64_t send(contract::Command& command) noexcept;
+  // The request of the newest sent command, while that is a STOP and the core has not taken it; else 0.
+  [[nodiscard]] std::uint32_t untaken_stop() const noexcept;
   void drive(const contract::DriveCommand& command) noexcept;
   // Its sequence, 0 when there is none yet.
   std::uint64_t params(contract::ParamsInForce& params) const;
@@ -95,6 +97,7 @@ class ServerLink {
   std::int64_t start_utc_ns_ = 0;
   bool simulated_clock_ = false;
   std::uint64_t sent_ = 0;
+  std::uint32_t newest_stop_ = 0;  // the request of the newest sent command if that is a STOP, else 0
   std::uint64_t driven_ = 0;
   std::uint64_t next_try_ns_ = 0;
   std::string error_, program_;

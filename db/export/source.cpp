@@ -1,5 +1,7 @@
 #include "db/export/source.hpp"
 
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -84,6 +86,9 @@ std::int64_t ExportSource::time_of_tick(std::uint64_t tick) const {
 }
 
 bool ExportSource::next_samples(std::span<const std::size_t> which) {
+  // The recorder may fold between a chunk's row and its body: a job reads with a connection of its own.
+  std::optional<Transaction> reading;
+  if (sqlite3_get_autocommit(database.handle()) != 0) reading.emplace(database.handle(), Transaction::Kind::read);
   chunk = any_samples && next_tick_ <= last_tick ? source_.at_or_after(next_tick_) : std::nullopt;
   if (!chunk || chunk->first_tick > last_tick) {
     chunk.reset();

@@ -388,9 +388,9 @@ Result<std::optional<BackupInfo>> back_up(Database& recordings, const BackupOpti
   std::error_code error;
   // Of a program that was killed; this device writes one at a time.
   std::vector<fs::path> stale;
-  for (const auto& entry : fs::directory_iterator(options.folder, error))
-    if (const std::string name = entry.path().filename().string(); name.starts_with(prefix) && name.ends_with(kPart))
-      stale.push_back(entry.path());
+  for (fs::directory_iterator entry(options.folder, error), end; !error && entry != end; entry.increment(error))
+    if (const std::string name = entry->path().filename().string(); name.starts_with(prefix) && name.ends_with(kPart))
+      stale.push_back(entry->path());
   for (const fs::path& path : stale) fs::remove_all(path, error);
   info.folder = options.folder / (prefix + compact_utc(options.utc_ns));
   const fs::path part = info.folder.string() + std::string(kPart);

@@ -527,6 +527,7 @@ Result<contract::CoreImage> SessionReader::image(SessionId session, std::uint64_
 Result<StoredSamples> SessionReader::samples(SessionId session, std::uint64_t tick) const {
   return guarded([&]() -> Result<StoredSamples> {
     StoredSamples out;
+    Transaction transaction(database_->handle(), Transaction::Kind::read);
     const std::vector<ColumnInfo> layout = layout_of(database_->handle(), session);
     std::vector<std::size_t> which(layout.size());
     for (std::size_t c = 0; c < which.size(); ++c) which[c] = c;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <ranges>
 #include <string>
@@ -212,6 +213,11 @@ struct SessionWriter::State {
   Bytes journal_blob;
   std::vector<SessionId> interrupted;
   std::uint64_t refused_samples = 0, failed_commits = 0;
+
+  // Sessions that have ended and are not folded, the oldest first, and where the next piece of that one begins.
+  std::deque<SessionId> unfolded;
+  enum class FoldStream : std::uint8_t { samples, frames, journal, none } fold_stream = FoldStream::samples;
+  std::uint64_t fold_from = 0;  // tick, number of the frame, or step
 
   // The open session.
   SessionId session = 0;
@@ -519,146 +525,137 @@ struct SessionWriter::State {
     commit_sealed(transaction, lost.session, lost.last_tick);
   }
 
-  // Small live chunks become large ones with a frame per column. Each step is one transaction: a crash in between leaves a session that reads
-  // the same, and the next start goes on. A damaged chunk stays where it is.
-  void fold(SessionId id) {
-    fold_samples(id);
-    fold_bus(id);
-    fold_journal(id);
-    Statement statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1");
-    statement.integer(1, id).run();
+  // Small live chunks become large ones with a frame per column, a group of them in each piece. A crash between two pieces leaves a session that
+  // reads the same, and the next start goes on. A damaged chunk stays where it is. False once nothing is left.
+  bool fold_piece() {
+    if (unfolded.empty()) return false;
+    const SessionId id = unfolded.front();
+    // From the beginning: another connection may delete the session.
+    Transaction transaction(handle, Transaction::Kind::write);
+    Statement there(handle, "SELECT 1 FROM sessions WHERE id = ?1");
+    bool whole = !there.integer(1, id).step();
+    there.reset();
+    if (!whole && !fold_group(id)) {
+      fold_from = 0;
+      fold_stream = static_cast<FoldStream>(static_cast<int>(fold_stream) + 1);
+      whole = fold_stream == FoldStream::none;
+      if (whole) Statement(handle, "UPDATE sessions SET folded = 1 WHERE id = ?1").integer(1, id).run();
+    }
+    transaction.commit();
+    if (!whole) return true;
+    leave_fold();
     truncate_log(handle);
+    return !unfolded.empty();
   }
 
-  void fold_samples(SessionId id) {
+  void leave_fold() {
+    unfolded.pop_front();
+    fold_stream = FoldStream::samples;
+    fold_from = 0;
+  }
+
+  // The next group of the stream; false when there is none.
+  bool fold_group(SessionId id) {
+    switch (fold_stream) {
+      case FoldStream::samples:
+        return fold_samples(id);
+      case FoldStream::frames:
+        return fold_bus(id);
+      case FoldStream::journal:
+        return fold_journal(id);
+      case FoldStream::none:
+        break;
+    }
+    return false;
+  }
+
+  bool fold_samples(SessionId id) {
     const std::vector<ColumnInfo> layout = layout_of(handle, id);
     const auto tick_column = find_column(layout, "tick"), time_column = find_column(layout, "time_ns");
-    if (!tick_column || !time_column) return;
+    if (!tick_column || !time_column) return false;
     std::vector<std::size_t> which(layout.size());
     for (std::size_t i = 0; i < which.size(); ++i) which[i] = i;
-    struct Row {
-      std::int64_t id;
-      std::size_t samples;
-      std::uint64_t first_tick;
-    };
-    std::vector<Row> rows;
-    {
-      Statement statement(handle, "SELECT id, samples, first_tick FROM chunks WHERE session_id = ?1 ORDER BY first_tick");
-      statement.integer(1, id);
-      while (statement.step())
-        rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1)), statement.unsigned_at(2)});
-    }
-    Statement remove(handle, "DELETE FROM chunks WHERE id = ?1");
+    Statement rows(handle, "SELECT id, samples, first_tick FROM chunks WHERE session_id = ?1 AND first_tick >= ?2 ORDER BY first_tick");
+    rows.integer(1, id).unsigned_integer(2, fold_from);
+    ChunkSource source(handle, id, layout.size());
     std::vector<std::vector<std::int64_t>> group(layout.size()), values;
-    std::size_t next = 0;
-    while (next < rows.size()) {
-      ChunkSource source(handle, id, layout.size());
-      for (auto& column : group) column.clear();
-      std::vector<std::int64_t> taken;
-      while (next < rows.size() && (taken.empty() || group[0].size() + rows[next].samples <= kFoldedChunkSamples)) {
-        const Row row = rows[next++];
-        try {
-          const auto chunk = source.at_or_after(row.first_tick);
-          if (!chunk || chunk->row != row.id) break;
-          source.load(*chunk, which, values);
-        } catch (const SqlFailure& failure) {
-          if (failure.error.kind != ErrorKind::corrupt) throw;
-          break;
-        }
-        for (std::size_t c = 0; c < group.size(); ++c) group[c].insert(group[c].end(), values[c].begin(), values[c].end());
-        taken.push_back(row.id);
+    std::vector<std::int64_t> taken;
+    bool any = false, large = false;
+    while (rows.step()) {
+      if (!taken.empty() && group[0].size() + static_cast<std::size_t>(rows.integer_at(1)) > kFoldedChunkSamples) break;
+      any = true;
+      const std::uint64_t first_tick = rows.unsigned_at(2);
+      fold_from = first_tick + 1;
+      try {
+        const auto chunk = source.at_or_after(first_tick);
+        if (!chunk || chunk->row != rows.integer_at(0)) break;
+        source.load(*chunk, which, values);
+        large = chunk->directory.layout == ChunkLayout::frame_per_column;
+      } catch (const SqlFailure& failure) {
+        if (failure.error.kind != ErrorKind::corrupt) throw;
+        break;
       }
-      if (taken.empty() || group[0].size() > kMaxChunkSamples) continue;
-      Transaction transaction(handle, Transaction::Kind::write);
-      for (const std::int64_t row : taken) remove.integer(1, row).run();
-      put_samples(group, group[0].size(), ChunkLayout::frame_per_column, id, *tick_column, *time_column);
-      transaction.commit();
+      for (std::size_t c = 0; c < group.size(); ++c) group[c].insert(group[c].end(), values[c].begin(), values[c].end());
+      taken.push_back(rows.integer_at(0));
     }
+    rows.reset();
+    const bool done = taken.empty() || (taken.size() == 1 && large);
+    if (done || group[0].size() > kMaxChunkSamples) return any;
+    Statement remove(handle, "DELETE FROM chunks WHERE id = ?1");
+    for (const std::int64_t row : taken) remove.integer(1, row).run();
+    put_samples(group, group[0].size(), ChunkLayout::frame_per_column, id, *tick_column, *time_column);
+    return true;
   }
 
-  void fold_bus(SessionId id) {
-    struct Row {
-      std::int64_t id;
-      std::uint64_t first_frame;
-      std::size_t frames;
-    };
-    std::vector<Row> rows;
-    {
-      Statement statement(handle, "SELECT id, first_frame, frames FROM bus_chunks WHERE session_id = ?1 ORDER BY first_frame");
-      statement.integer(1, id);
-      while (statement.step())
-        rows.push_back({statement.integer_at(0), statement.unsigned_at(1), static_cast<std::size_t>(statement.integer_at(2))});
-    }
-    Statement read(handle, "SELECT body FROM bus_chunks WHERE id = ?1"), remove(handle, "DELETE FROM bus_chunks WHERE id = ?1");
+  bool fold_bus(SessionId id) {
+    Statement rows(handle,
+                   "SELECT id, first_frame, frames, body FROM bus_chunks WHERE session_id = ?1 AND first_frame >= ?2 ORDER BY first_frame");
+    rows.integer(1, id).unsigned_integer(2, fold_from);
     std::vector<BusRecord> group;
-    std::size_t next = 0;
-    while (next < rows.size()) {
-      group.clear();
-      std::vector<std::int64_t> taken;
-      std::uint64_t first_frame = 0;
-      while (next < rows.size() && (taken.empty() || group.size() + rows[next].frames <= kFoldedBusFrames)) {
-        const Row row = rows[next++];
-        const std::size_t before = group.size();
-        const bool sound = read.integer(1, row.id).step() && decode_bus(read.blob_at(0), group) == CodecError::none;
-        read.reset();
-        if (!sound) {
-          group.resize(before);
-          break;
-        }
-        if (taken.empty()) first_frame = row.first_frame;
-        taken.push_back(row.id);
+    std::vector<std::int64_t> taken;
+    std::uint64_t first_frame = 0;
+    bool any = false;
+    while (rows.step()) {
+      if (!taken.empty() && group.size() + static_cast<std::size_t>(rows.integer_at(2)) > kFoldedBusFrames) break;
+      any = true;
+      fold_from = rows.unsigned_at(1) + 1;
+      const std::size_t before = group.size();
+      if (decode_bus(rows.blob_at(3), group) != CodecError::none) {
+        group.resize(before);
+        break;
       }
-      if (taken.size() < 2 || group.size() > kMaxBusChunkFrames) continue;
-      Transaction transaction(handle, Transaction::Kind::write);
-      for (const std::int64_t row : taken) remove.integer(1, row).run();
-      put_frames(group, first_frame, id);
-      transaction.commit();
+      if (taken.empty()) first_frame = rows.unsigned_at(1);
+      taken.push_back(rows.integer_at(0));
     }
+    rows.reset();
+    if (taken.size() < 2 || group.size() > kMaxBusChunkFrames) return any;
+    Statement remove(handle, "DELETE FROM bus_chunks WHERE id = ?1");
+    for (const std::int64_t row : taken) remove.integer(1, row).run();
+    put_frames(group, first_frame, id);
+    return true;
   }
 
-  void fold_journal(SessionId id) {
-    struct Row {
-      std::int64_t id;
-      std::size_t steps;
-    };
-    std::vector<Row> rows;
-    {
-      Statement statement(handle, "SELECT id, steps FROM journal_chunks WHERE session_id = ?1 ORDER BY first_step");
-      statement.integer(1, id);
-      while (statement.step()) rows.push_back({statement.integer_at(0), static_cast<std::size_t>(statement.integer_at(1))});
-    }
-    Statement read(handle, "SELECT body FROM journal_chunks WHERE id = ?1"), remove(handle, "DELETE FROM journal_chunks WHERE id = ?1");
+  bool fold_journal(SessionId id) {
+    Statement rows(handle,
+                   "SELECT id, first_step, steps, body FROM journal_chunks WHERE session_id = ?1 AND first_step >= ?2 ORDER BY first_step");
+    rows.integer(1, id).unsigned_integer(2, fold_from);
     std::vector<JournalStep> steps;
     std::vector<JournalCommand> commands;
-    std::size_t next = 0;
-    while (next < rows.size()) {
-      steps.clear();
-      commands.clear();
-      std::vector<std::int64_t> taken;
-      while (next < rows.size() && (taken.empty() || steps.size() + rows[next].steps <= kFoldedChunkSamples)) {
-        const Row row = rows[next++];
-        const bool sound = read.integer(1, row.id).step() && decode_journal(read.blob_at(0), steps, commands) == CodecError::none;
-        read.reset();
-        if (!sound) break;
-        taken.push_back(row.id);
-      }
-      if (taken.size() < 2 || steps.size() > kMaxChunkSamples || commands.size() > kMaxJournalCommands) continue;
-      Transaction transaction(handle, Transaction::Kind::write);
-      for (const std::int64_t row : taken) remove.integer(1, row).run();
-      put_steps(steps, commands, id);
-      transaction.commit();
+    std::vector<std::int64_t> taken;
+    bool any = false;
+    while (rows.step()) {
+      if (!taken.empty() && steps.size() + static_cast<std::size_t>(rows.integer_at(2)) > kFoldedChunkSamples) break;
+      any = true;
+      fold_from = rows.unsigned_at(1) + 1;
+      if (decode_journal(rows.blob_at(3), steps, commands) != CodecError::none) break;
+      taken.push_back(rows.integer_at(0));
     }
-  }
-
-  void try_fold(SessionId id) {
-    const Status folded = guarded([&]() -> Status {
-      fold(id);
-      return {};
-    });
-    if (!folded) {
-      reset_statements();
-      ++failed_commits;
-    }
+    rows.reset();
+    if (taken.size() < 2 || steps.size() > kMaxChunkSamples || commands.size() > kMaxJournalCommands) return any;
+    Statement remove(handle, "DELETE FROM journal_chunks WHERE id = ?1");
+    for (const std::int64_t row : taken) remove.integer(1, row).run();
+    put_steps(steps, commands, id);
+    return true;
   }
 
   // Sessions an earlier run left open end with their last sample.
@@ -679,12 +676,8 @@ struct SessionWriter::State {
       close_rows(one.id, one.ended_utc_ns, CloseReason::interrupted);
       interrupted.push_back(one.id);
     }
-    std::vector<SessionId> unfolded;
-    {
-      Statement statement(handle, "SELECT id FROM sessions WHERE folded = 0 AND ended_utc_ns IS NOT NULL ORDER BY id");
-      while (statement.step()) unfolded.push_back(statement.integer_at(0));
-    }
-    for (const SessionId id : unfolded) try_fold(id);
+    Statement statement(handle, "SELECT id FROM sessions WHERE folded = 0 AND ended_utc_ns IS NOT NULL ORDER BY id");
+    while (statement.step()) unfolded.push_back(statement.integer_at(0));
   }
 };
 
@@ -940,7 +933,7 @@ Result<Durable> SessionWriter::commit() {
   return durable();
 }
 
-Status SessionWriter::end(CloseReason reason, std::int64_t ended_utc_ns) {
+Status SessionWriter::close(CloseReason reason, std::int64_t ended_utc_ns) {
   State& s = *state_;
   if (s.session == 0) return no_session();
   if (Status written = s.write_all(); !written) return written;
@@ -951,7 +944,24 @@ Status SessionWriter::end(CloseReason reason, std::int64_t ended_utc_ns) {
   });
   if (!closed) return closed;
   s.clear_session();
-  s.try_fold(id);
+  s.unfolded.push_back(id);
+  return {};
+}
+
+Result<bool> SessionWriter::fold_piece() {
+  State& s = *state_;
+  auto more = guarded([&]() -> Result<bool> { return s.fold_piece(); });
+  if (!more) {
+    s.reset_statements();
+    s.leave_fold();
+    ++s.failed_commits;
+  }
+  return more;
+}
+
+Status SessionWriter::end(CloseReason reason, std::int64_t ended_utc_ns) {
+  if (Status closed = close(reason, ended_utc_ns); !closed) return closed;
+  while (!state_->unfolded.empty()) (void)fold_piece();
   return {};
 }
 

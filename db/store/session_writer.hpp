@@ -49,7 +49,7 @@ bool stored_row(const contract::TickRecord& record, std::span<std::int64_t, cont
 class SessionWriter {
  public:
   /// `database` must outlive the writer and be used by this thread only. Sessions that an earlier run left open are closed with the reason
-  /// "interrupted" and folded; `interrupted()` names them.
+  /// "interrupted"; `interrupted()` names them. What an earlier run has not folded waits for fold_piece.
   static Result<SessionWriter> create(Database& database);
 
   SessionWriter(SessionWriter&&) noexcept;
@@ -89,7 +89,13 @@ class SessionWriter {
   /// Writes what waits and returns after COMMIT. Call at least each 0.5 s. With nothing waiting it costs nothing.
   Result<Durable> commit();
   [[nodiscard]] Durable durable() const;
-  /// Commits, closes and folds the session. When it fails, the session stays open and the call may be repeated.
+  /// Commits and closes the session, which then waits for fold_piece. When it fails, the session stays open and the call may be repeated.
+  Status close(CloseReason reason, std::int64_t ended_utc_ns);
+  /// Joins the stored chunks of one group (30 s of samples, or as many frames or steps) of a session that has ended, in one transaction.
+  /// The session reads the same before, between and after. False when nothing is left. After an error that session stays as
+  /// it is until the next start.
+  Result<bool> fold_piece();
+  /// close and all pieces, for callers that have nothing else to do meanwhile.
   Status end(CloseReason reason, std::int64_t ended_utc_ns);
 
   [[nodiscard]] const std::vector<SessionId>& interrupted() const;

@@ -115,8 +115,8 @@ Asker asker_of(const Call& call) {
     actors.update(session.client, std::move(known));
   }
   if (!call.logged) call.logged = std::make_shared<bool>(false);
-  const auto utc_s = static_cast<std::uint64_t>(call.services.utc_ns() / 1'000'000'000);
-  return {session.client, call.services.core.lease_epoch(), session.role, Auth::over(session, utc_s), call.logged};
+  const bool over = Auth::over(session, clocks_of(call.services.utc_ns(), call.services.now_ns()));
+  return {session.client, call.services.core.lease_epoch(), session.role, over, call.logged};
 }
 
 std::optional<std::uint32_t> lease_header(const Call& call) {

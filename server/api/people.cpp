@@ -24,6 +24,7 @@ constexpr std::size_t kSecretBytes = 32, kDeviceBytes = 8;
 constexpr std::uint64_t kPinTries = 5;
 
 std::uint64_t utc_s(const Call& call) { return static_cast<std::uint64_t>(call.services.utc_ns() / 1'000'000'000); }
+Clocks clocks(const Call& call) { return clocks_of(call.services.utc_ns(), call.services.now_ns()); }
 
 // The row of this call; the router writes no second one.
 void log(const Call& call, std::string user, std::string_view role, AuditName action, std::string target, std::string result,
@@ -125,8 +126,7 @@ json who_json(const Call& call, const Session* session, std::string_view device)
   who["role"] = access_role(session->role);
   if (session->account && !session->bearer) {
     who["has_pin"] = session->has_pin;
-    const std::uint64_t end_s = session->begun_utc_s + kAccountLife_s;
-    who["seconds_left"] = end_s > utc_s(call) ? end_s - utc_s(call) : 0;
+    who["seconds_left"] = std::max<std::int64_t>(session->begun_s + kAccountLife_s - clocks(call).steady_s, 0);
   }
   return who;
 }
@@ -168,7 +168,7 @@ std::optional<db::User> checked(PeopleRoom& room, const std::string& name, const
 
 void who_am_i(const CallPtr& call) {
   Auth& auth = call->rest.auth;
-  const SessionPtr session = auth.find(call->request, utc_s(*call));
+  const SessionPtr session = auth.find(call->request, clocks(*call));
   const std::string device = auth.device_of(call->request);
   call->respond(who_json(*call, session.get(), device));
 }
@@ -254,7 +254,7 @@ void sign_in(const CallPtr& call) {
         row.role = found.user->role;
         const SessionPtr session = session_of(row);
         Auth& auth_then = call->rest.auth;
-        auth_then.add_account(session);
+        auth_then.add_account(session, clocks(*call));
         // A browser has one sign-in: sockets of the one before go with it.
         call->services.close_sockets([&](const Session& other) { return other.ended && other.device == session->device; }, "signed out");
         log(*call, session->user, access_role(session->role), "sign_in", pin ? "pin" : "password", "done");
@@ -361,7 +361,7 @@ void change_pin(const CallPtr& call) {
       false);
 }
 
-void open_ticket(const CallPtr& call) { call->respond(json{{"ticket", call->rest.auth.issue_ticket(call->session, utc_s(*call))}}); }
+void open_ticket(const CallPtr& call) { call->respond(json{{"ticket", call->rest.auth.issue_ticket(call->session, clocks(*call))}}); }
 
 void set_up(const CallPtr& call) {
   const json& body = *call->body;

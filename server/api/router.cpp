@@ -86,7 +86,7 @@ bool is_open_before_set_up(std::string_view operation) { return operation == "wh
 // GET /?token=…: trades a one-time link for a session cookie.
 Response open_link(const RestContext& rest, const std::string& token) {
   Services& services = rest.services;
-  const SessionPtr session = rest.auth.use_link(token, static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000));
+  const SessionPtr session = rest.auth.use_link(token, clocks_of(services.utc_ns(), services.now_ns()));
   if (!session) {
     services.counters.add(Count::http_refused_link);
     return link_page();
@@ -129,8 +129,8 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
     return problem(403, "foreign-origin", "Another page tried to use this console", "Open the console itself and use it there.");
   }
   const bool stops = route.operation == "stop";
-  const auto utc_s = static_cast<std::uint64_t>(services.utc_ns() / 1'000'000'000);
-  call.session = tool ? auth.find_token(request, utc_s) : stops ? auth.find_for_stop(request, utc_s) : auth.find(request, utc_s);
+  const Clocks now = clocks_of(services.utc_ns(), services.now_ns());
+  call.session = tool ? auth.find_token(request, now) : stops ? auth.find_for_stop(request, now) : auth.find(request, now);
   if (!call.session && !open) {
     counters.add(Count::http_refused_no_session);
     return problem(401, "no-session", "Not signed in",
@@ -154,7 +154,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   // A socket lives long after its handshake: a page that has the cookie must also have asked for this one.
   if (route.operation == "open_live" && call.session && call.session->account && !call.session->bearer) {
     const auto ticket = request.query.find("ticket");
-    if (ticket == request.query.end() || !auth.use_ticket(ticket->second, *call.session, utc_s))
+    if (ticket == request.query.end() || !auth.use_ticket(ticket->second, *call.session, now))
       return problem(403, "no-ticket", "The connection needs a fresh ticket", "Ask for one (POST /api/v1/ws-ticket) and use it once.");
   }
   if (!open && static_cast<unsigned>(call.session->role) + 1U < static_cast<unsigned>(route.access))
@@ -302,12 +302,12 @@ Router::Router(RestContext& rest)
 }
 
 bool Router::may_enter(const Request& request) {
-  const auto utc_s = static_cast<std::uint64_t>(rest_.services.utc_ns() / 1'000'000'000);
+  const Clocks now = clocks_of(rest_.services.utc_ns(), rest_.services.now_ns());
   const auto token = request.query.find("token");
   const bool link =
       request.from_here && request.path == "/" && token != request.query.end() && same_secret(token->second, rest_.auth.link_token());
-  if (is_for_tools(request.path)) return rest_.auth.find_token(request, utc_s) != nullptr;
-  return link || rest_.auth.find_for_stop(request, utc_s) != nullptr;
+  if (is_for_tools(request.path)) return rest_.auth.find_token(request, now) != nullptr;
+  return link || rest_.auth.find_for_stop(request, now) != nullptr;
 }
 
 void Router::handle(Request request, std::function<void(Response)> answer) {

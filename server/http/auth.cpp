@@ -100,12 +100,24 @@ bool same_secret(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-std::unique_ptr<Auth> Auth::create(Options options, std::uint64_t utc_s, std::string& error) {
+namespace {
+// Where begin and last use of what comes from the disk are on the steady clock. False: they are ahead of the wall clock.
+bool put_on_steady_clock(Session& session, Clocks now) {
+  const auto steady_of = [now](std::uint64_t utc_s) {
+    return now.steady_s - (utc_s < now.utc_s ? static_cast<std::int64_t>(now.utc_s - utc_s) : 0);
+  };
+  session.begun_s = steady_of(session.begun_utc_s);
+  session.used_s = session.written_s = steady_of(session.used_utc_s);
+  return std::max(session.begun_utc_s, session.used_utc_s) <= now.utc_s + kClockAhead_s;
+}
+}  // namespace
+
+std::unique_ptr<Auth> Auth::create(Options options, Clocks now, std::string& error) {
   std::unique_ptr<Auth> auth(new Auth(std::move(options)));
   if (!auth->load(error)) return nullptr;
   for (auto it = auth->sessions_.begin(); it != auth->sessions_.end();) {
     const auto session = it++;
-    if ((*session)->used_utc_s + kSessionLife_s < utc_s || (*session)->used_utc_s > utc_s + 3600) auth->end(session);
+    if (!put_on_steady_clock(**session, now) || over(**session, now)) auth->end(session);
   }
   auth->link_ = random_hex(kLinkBytes);
   if (!auth->save(error)) return nullptr;
@@ -135,7 +147,6 @@ bool Auth::load(std::string& error) {
       session->secret = std::string{line.substr(0, space)};
       const std::string_view number = line.substr(space + 1);
       if (std::from_chars(number.data(), number.data() + number.size(), session->used_utc_s).ec != std::errc{}) continue;
-      session->written_utc_s = session->used_utc_s;
       sessions_.push_back(std::move(session));
     }
   }
@@ -210,14 +221,15 @@ std::string client_name(const Session& session) {
   return "device-" + digest.substr(0, 8);
 }
 
-bool Auth::over(const Session& session, std::uint64_t utc_s) {
+bool Auth::over(const Session& session, Clocks now) {
   if (session.ended) return true;
-  if (session.token_id != 0) return utc_s >= session.expires_utc_s;
-  if (!session.account) return !session.bearer && session.used_utc_s + kSessionLife_s < utc_s;
-  return utc_s >= session.begun_utc_s + kAccountLife_s || (session.sockets == 0 && session.used_utc_s + kAccountIdle_s < utc_s);
+  if (session.token_id != 0) return now.utc_s >= session.expires_utc_s;
+  if (!session.account) return !session.bearer && session.used_s + kSessionLife_s < now.steady_s;
+  return now.steady_s >= session.begun_s + kAccountLife_s || (session.sockets == 0 && session.used_s + kAccountIdle_s < now.steady_s);
 }
 
-void Auth::add_account(SessionPtr session) {
+void Auth::add_account(SessionPtr session, Clocks now) {
+  if (!put_on_steady_clock(*session, now)) session->ended = true;
   for (const SessionPtr& one : accounts_)
     if (one->device == session->device && one != session) one->ended = true;
   // One person does not push others out.
@@ -264,17 +276,18 @@ void Auth::end(std::list<SessionPtr>::iterator session) {
   if (past_.size() > kPastLimit) past_.pop_front();
 }
 
-void Auth::use(Session& session, std::uint64_t utc_s) {
-  session.used_utc_s = utc_s;
+void Auth::use(Session& session, Clocks now) {
+  session.used_utc_s = now.utc_s;
+  session.used_s = now.steady_s;
   if (session.account) {
-    if (session.bearer || session.ended || session.written_utc_s + kAccountWrite_s > utc_s) return;
-    session.written_utc_s = utc_s;
+    if (session.bearer || session.ended || session.written_s + kAccountWrite_s > now.steady_s) return;
+    session.written_s = now.steady_s;
     if (options_.used) options_.used(session);
     return;
   }
-  if (session.bearer || session.written_utc_s + kSessionWrite_s > utc_s) return;
+  if (session.bearer || session.written_s + kSessionWrite_s > now.steady_s) return;
   // Also when the file cannot be written: it is not tried at every use.
-  session.written_utc_s = utc_s;
+  session.written_s = now.steady_s;
   std::string ignored;
   static_cast<void>(save(ignored));
 }
@@ -299,8 +312,8 @@ SessionPtr only_from_here(SessionPtr session, const Request& request) {
 }
 }  // namespace
 
-SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
-  if (SessionPtr session = look_up(request, utc_s)) return session;
+SessionPtr Auth::find_for_stop(const Request& request, Clocks now) {
+  if (SessionPtr session = look_up(request, now)) return session;
   if (!request.header("authorization").empty()) return nullptr;
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
@@ -313,37 +326,37 @@ SessionPtr Auth::find_for_stop(const Request& request, std::uint64_t utc_s) {
   return nullptr;
 }
 
-SessionPtr Auth::find(const Request& request, std::uint64_t utc_s) { return only_from_here(look_up(request, utc_s), request); }
+SessionPtr Auth::find(const Request& request, Clocks now) { return only_from_here(look_up(request, now), request); }
 
-SessionPtr Auth::token_of(std::string_view secret, std::uint64_t utc_s) const {
+SessionPtr Auth::token_of(std::string_view secret, Clocks now) const {
   if (same_secret(secret, bearer_->secret)) return bearer_;
   const std::string digest = digest_of_secret(secret);
   for (const SessionPtr& token : tokens_)
-    if (token->digest == digest && !over(*token, utc_s)) return token;
+    if (token->digest == digest && !over(*token, now)) return token;
   return nullptr;
 }
 
-SessionPtr Auth::look_up(const Request& request, std::uint64_t utc_s) {
+SessionPtr Auth::look_up(const Request& request, Clocks now) {
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
     constexpr std::string_view kBearer = "Bearer ";
-    return authorization.starts_with(kBearer) ? token_of(authorization.substr(kBearer.size()), utc_s) : nullptr;
+    return authorization.starts_with(kBearer) ? token_of(authorization.substr(kBearer.size()), now) : nullptr;
   }
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
     for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
       if (!same_secret((*it)->secret, *secret)) continue;
-      if (over(**it, utc_s)) {
+      if (over(**it, now)) {
         end(it);
         break;
       }
-      use(**it, utc_s);
+      use(**it, now);
       return *it;
     }
     const std::string digest = digest_of_secret(*secret);
     for (const SessionPtr& session : accounts_) {
-      if (session->digest != digest || over(*session, utc_s)) continue;
-      use(*session, utc_s);
+      if (session->digest != digest || over(*session, now)) continue;
+      use(*session, now);
       return session;
     }
   }
@@ -370,26 +383,26 @@ std::vector<std::pair<std::string, std::string>> Auth::users_of(std::string_view
   return out;
 }
 
-std::string Auth::issue_ticket(const SessionPtr& session, std::uint64_t utc_s) {
+std::string Auth::issue_ticket(const SessionPtr& session, Clocks now) {
   std::string text = random_hex(kTokenBytes);
-  tickets_.remove_if([&](const Ticket& one) { return one.until_utc_s < utc_s || one.session.expired(); });
+  tickets_.remove_if([&](const Ticket& one) { return one.until_s < now.steady_s || one.session.expired(); });
   if (tickets_.size() >= kTicketLimit) tickets_.pop_front();
-  tickets_.push_back({digest_of_secret(text), session, utc_s + kTicketLife_s});
+  tickets_.push_back({digest_of_secret(text), session, now.steady_s + kTicketLife_s});
   return text;
 }
 
-bool Auth::use_ticket(std::string_view ticket, const Session& session, std::uint64_t utc_s) {
+bool Auth::use_ticket(std::string_view ticket, const Session& session, Clocks now) {
   const std::string digest = digest_of_secret(ticket);
   for (auto one = tickets_.begin(); one != tickets_.end(); ++one) {
     if (one->digest != digest) continue;
-    const bool good = one->until_utc_s >= utc_s && one->session.lock().get() == &session;
+    const bool good = one->until_s >= now.steady_s && one->session.lock().get() == &session;
     tickets_.erase(one);
     return good;
   }
   return false;
 }
 
-SessionPtr Auth::find_token(const Request& request, std::uint64_t utc_s) const {
+SessionPtr Auth::find_token(const Request& request, Clocks now) const {
   constexpr std::string_view kBearer = "Bearer ";
   std::string_view token = request.header("authorization");
   if (token.starts_with(kBearer)) {
@@ -399,15 +412,16 @@ SessionPtr Auth::find_token(const Request& request, std::uint64_t utc_s) const {
   } else {
     return nullptr;
   }
-  return only_from_here(token_of(token, utc_s), request);
+  return only_from_here(token_of(token, now), request);
 }
 
-SessionPtr Auth::use_link(std::string_view token, std::uint64_t utc_s) {
+SessionPtr Auth::use_link(std::string_view token, Clocks now) {
   if (!same_secret(token, link_)) return nullptr;
   link_ = random_hex(kLinkBytes);
   auto session = std::make_shared<Session>();
   session->secret = random_hex(kTokenBytes);
-  session->used_utc_s = session->written_utc_s = utc_s;
+  session->used_utc_s = now.utc_s;
+  session->used_s = session->written_s = now.steady_s;
   if (sessions_.size() >= kSessionLimit) end(sessions_.begin());
   sessions_.push_back(session);
   std::string error;

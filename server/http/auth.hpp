@@ -20,9 +20,9 @@ namespace hoist::server {
 
 inline constexpr std::size_t kSessionLimit = 32;
 // Half a day without use; an open WebSocket stays signed in.
-inline constexpr std::uint64_t kSessionLife_s = 12 * 3600;
+inline constexpr std::int64_t kSessionLife_s = 12 * 3600;
 // A session's last use is written down when the one on disk is older than this, so that a restarted server knows it, too.
-inline constexpr std::uint64_t kSessionWrite_s = 3600;
+inline constexpr std::int64_t kSessionWrite_s = 3600;
 // Ended sessions that may still say STOP: at the patient's side there is no time to sign in first.
 inline constexpr std::size_t kPastLimit = 32;
 // How long a browser keeps the cookie: the most that browsers allow, since what it is good for is judged here.
@@ -31,14 +31,27 @@ inline constexpr std::uint64_t kCookieLife_s = 400 * 24 * 3600;
 inline constexpr std::uint64_t kRestLease_ns = 10'000'000'000;
 
 // An account's sign-in ends after a quarter of an hour without a request and without an open WebSocket, and after a working day.
-inline constexpr std::uint64_t kAccountIdle_s = 15 * 60, kAccountLife_s = 8 * 3600;
+inline constexpr std::int64_t kAccountIdle_s = 15 * 60, kAccountLife_s = 8 * 3600;
 // A use of an account's sign-in is written down when the one on disk is older than this.
-inline constexpr std::uint64_t kAccountWrite_s = 60;
+inline constexpr std::int64_t kAccountWrite_s = 60;
 // A ticket opens one WebSocket, soon.
-inline constexpr std::uint64_t kTicketLife_s = 30;
+inline constexpr std::int64_t kTicketLife_s = 30;
 inline constexpr std::size_t kTicketLimit = 64;
 // Sign-ins of accounts in memory, ended ones included: the oldest use goes first.
 inline constexpr std::size_t kAccountSessionLimit = 300, kSignInsPerUser = 20;
+
+// What is on disk and begins or was used further ahead of the wall clock than this is over: the clock was wrong then, or is now.
+inline constexpr std::uint64_t kClockAhead_s = 3600;
+
+// Both clocks at one moment. How long a sign-in lasts is counted by the steady one, because the wall clock may be set meanwhile. The wall clock
+// counts for what is on disk and for the expiry of a token, which is a date.
+struct Clocks {
+  std::uint64_t utc_s = 0;
+  std::int64_t steady_s = 0;
+};
+[[nodiscard]] constexpr Clocks clocks_of(std::int64_t utc_ns, std::uint64_t steady_ns) {
+  return {static_cast<std::uint64_t>(utc_ns / 1'000'000'000), static_cast<std::int64_t>(steady_ns / 1'000'000'000)};
+}
 
 struct Session {
   std::string secret;  // the cookie's value, or the bearer token; empty for an account's: only its digest is known
@@ -51,13 +64,13 @@ struct Session {
   std::string device;                               // stays with a browser over its sign-ins
   std::int64_t token_id = 0;                        // of a token
   contract::Role scope = contract::Role::engineer;  // of a token: the most it may do
-  std::uint64_t begun_utc_s = 0;
-  std::uint64_t expires_utc_s = 0;  // of a token
-  bool ended = false;               // signed out, disabled, removed: may say STOP only
-  std::size_t sockets = 0;          // open WebSockets
+  std::uint64_t begun_utc_s = 0, used_utc_s = 0;    // begin and last use as on disk
+  std::int64_t begun_s = 0, used_s = 0;             // the same on the steady clock, negative for what was before the computer's start
+  std::int64_t written_s = 0;                       // the last use that is on disk, on the steady clock
+  std::uint64_t expires_utc_s = 0;                  // of a token
+  bool ended = false;                               // signed out, disabled, removed: may say STOP only
+  std::size_t sockets = 0;                          // open WebSockets
   contract::Role role = contract::Role::engineer;
-  std::uint64_t used_utc_s = 0;       // last use; the session ends kSessionLife_s after it
-  std::uint64_t written_utc_s = 0;    // the last use that is on disk
   std::uint32_t client = 0;           // number towards the core; 0 until it first asks the core for something
   std::shared_ptr<void> number = {};  // gives `client` back when it goes
   std::uint64_t used_ns = 0;          // last use of the lease
@@ -77,7 +90,7 @@ class Auth {
   };
   // Reads the token file's sessions of an earlier run so that a restarted server knows its people; makes a new token if there is none.
   // Errors are returned as a sentence in `error`; then nothing works.
-  static std::unique_ptr<Auth> create(Options options, std::uint64_t utc_s, std::string& error);
+  static std::unique_ptr<Auth> create(Options options, Clocks now, std::string& error);
 
   // Further names under which browsers may call, instead of those before.
   void set_hosts(std::vector<std::string> hosts) { options_.hosts = std::move(hosts); }
@@ -89,18 +102,18 @@ class Auth {
 
   // The session of a request: Authorization first, then the cookie. Null when there is none that is valid. Being found is a use: it puts the
   // session's end off. Link and token file are this computer's own: from elsewhere they do not count.
-  [[nodiscard]] SessionPtr find(const Request& request, std::uint64_t utc_s);
+  [[nodiscard]] SessionPtr find(const Request& request, Clocks now);
   // Of a tool: a token, in ?token= or as Authorization; never a cookie.
-  [[nodiscard]] SessionPtr find_token(const Request& request, std::uint64_t utc_s) const;
+  [[nodiscard]] SessionPtr find_token(const Request& request, Clocks now) const;
   // For STOP only: also a session that has ended, which stays so.
-  [[nodiscard]] SessionPtr find_for_stop(const Request& request, std::uint64_t utc_s);
+  [[nodiscard]] SessionPtr find_for_stop(const Request& request, Clocks now);
   // A session was used other than by a request.
-  void use(Session& session, std::uint64_t utc_s);
+  void use(Session& session, Clocks now);
   // Whether this session may do nothing but STOP any more.
-  [[nodiscard]] static bool over(const Session& session, std::uint64_t utc_s);
+  [[nodiscard]] static bool over(const Session& session, Clocks now);
 
   // A person has signed in; the sign-in before on the same device ends. Also for those known from before a restart.
-  void add_account(SessionPtr session);
+  void add_account(SessionPtr session, Clocks now);
   void add_token(SessionPtr session);
   bool remove_token(std::int64_t id);
   // What was changed of an account holds for its sign-ins and tokens at once. Disabled: they end.
@@ -114,11 +127,11 @@ class Auth {
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> users_of(std::string_view device) const;
 
   // A ticket for one WebSocket of this session.
-  [[nodiscard]] std::string issue_ticket(const SessionPtr& session, std::uint64_t utc_s);
-  [[nodiscard]] bool use_ticket(std::string_view ticket, const Session& session, std::uint64_t utc_s);
+  [[nodiscard]] std::string issue_ticket(const SessionPtr& session, Clocks now);
+  [[nodiscard]] bool use_ticket(std::string_view ticket, const Session& session, Clocks now);
 
   // Uses up a link. The new session, or null for a bad or used token; `link_token()` is fresh afterwards.
-  [[nodiscard]] SessionPtr use_link(std::string_view token, std::uint64_t utc_s);
+  [[nodiscard]] SessionPtr use_link(std::string_view token, Clocks now);
   [[nodiscard]] const std::string& link_token() const { return link_; }
   [[nodiscard]] const std::string& bearer_token() const { return bearer_->secret; }
   // Calls `use(session)` for all that may hold a lease, those that have ended included.
@@ -135,8 +148,8 @@ class Auth {
   bool load(std::string& error);
   bool save(std::string& error) const;
   // Any request that shows a known secret, from anywhere.
-  [[nodiscard]] SessionPtr look_up(const Request& request, std::uint64_t utc_s);
-  [[nodiscard]] SessionPtr token_of(std::string_view secret, std::uint64_t utc_s) const;
+  [[nodiscard]] SessionPtr look_up(const Request& request, Clocks now);
+  [[nodiscard]] SessionPtr token_of(std::string_view secret, Clocks now) const;
   // The session can only say STOP from here.
   void end(std::list<SessionPtr>::iterator session);
 
@@ -149,7 +162,7 @@ class Auth {
   struct Ticket {
     std::string digest;  // of its text
     std::weak_ptr<const Session> session;
-    std::uint64_t until_utc_s = 0;
+    std::int64_t until_s = 0;  // steady clock
   };
   std::list<Ticket> tickets_;
   std::string link_;

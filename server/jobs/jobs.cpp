@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
 #include <utility>
 
 #include "server/record/reason.hpp"
@@ -25,6 +26,15 @@ constexpr double kTold = 0.01;
 std::string damage_text(const db::IntegrityReport& report) {
   if (!report.structure.empty()) return report.structure.front();
   return report.sound() ? "" : std::to_string(report.damaged_blobs) + " stored blobs cannot be read";
+}
+
+// An exception ends the job that throws it, not the program.
+JobResult attempt(JobKind kind, const JobTools& tools, const JobArguments& arguments, const JobStep& step) {
+  try {
+    return kWork[static_cast<std::size_t>(kind)](tools, arguments, step);
+  } catch (const std::exception& thrown) {
+    return db::Error{db::ErrorKind::internal, "the job broke off: " + std::string(thrown.what()), {}};
+  }
 }
 
 // A choice of sessions is a value that is good in itself: what helps is another choice.
@@ -110,8 +120,7 @@ void Jobs::run(JobId id) {
     arguments = entry->arguments;
   }
   // The job's connection is closed before its end is told: the file may be set aside for it.
-  JobResult result = kWork[static_cast<std::size_t>(kind)](options_.tools, arguments, [this, id](double share) { return step(id, share); });
-  end(id, std::move(result));
+  end(id, attempt(kind, options_.tools, arguments, [this, id](double share) { return step(id, share); }));
 }
 
 bool Jobs::step(JobId id, double share) {

@@ -37,9 +37,9 @@ class Workshop {
  public:
   explicit Workshop(const fs::path& recordings) {
     const std::string prefix = recordings.string() + ".study-";
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(recordings.parent_path(), ignored))
-      if (entry.path().string().starts_with(prefix)) fs::remove_all(entry.path(), ignored);
+    std::error_code unread, ignored;
+    for (fs::directory_iterator entry(recordings.parent_path(), unread), end; !unread && entry != end; entry.increment(unread))
+      if (entry->path().string().starts_with(prefix)) fs::remove_all(entry->path(), ignored);
     std::string pattern = prefix + "XXXXXX";
     if (::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
   }
@@ -170,9 +170,9 @@ std::string content_of(const fs::path& file) {
 // Without runs of its own: the sessions are those of people, and stay when the study goes.
 db::Result<db::StudyId> keep(db::Database& database, std::int64_t utc_ns, const std::string& report, const fs::path& figures) {
   std::vector<db::StudyDrawing> drawings;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(figures, ignored))
-    drawings.push_back({entry.path().stem().string(), content_of(entry.path())});
+  std::error_code unread;
+  for (fs::directory_iterator entry(figures, unread), end; !unread && entry != end; entry.increment(unread))
+    drawings.push_back({entry->path().stem().string(), content_of(entry->path())});
   std::ranges::sort(drawings, {}, &db::StudyDrawing::name);
   const auto study = db::begin_study(database, utc_ns);
   if (!study) return study.error();

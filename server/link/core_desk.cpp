@@ -53,7 +53,7 @@ std::uint32_t CoreDesk::ask(Command command, Done done) {
   }
   command.request_id = next_request();
   const std::uint64_t limit_ns = command.kind == CommandKind::acknowledge ? kAcknowledgeLimit_ns : kAnswerLimit_ns;
-  pending_[command.request_id] = {command.request_id, clock_ns_ + limit_ns, std::move(done), changes_settings(command.kind), std::nullopt};
+  pending_.emplace(command.request_id, Pending{clock_ns_ + limit_ns, std::move(done), changes_settings(command.kind), std::nullopt});
   outbox_.push_back(command);
   flush_outbox();
   if (wake_) wake_();
@@ -88,7 +88,7 @@ std::uint32_t CoreDesk::ask_parameters(const std::vector<std::pair<std::uint32_t
     outbox_.push_back(stage);
   }
   commit.bits = seal.value(version);
-  pending_[commit.request_id] = {commit.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt};
+  pending_.emplace(commit.request_id, Pending{clock_ns_ + kAnswerLimit_ns, std::move(done), true, std::nullopt});
   outbox_.push_back(commit);
   flush_outbox();
   if (wake_) wake_();
@@ -101,14 +101,23 @@ bool CoreDesk::stop(std::uint32_t client, Done done) {
     if (done) done({.kind = CoreAnswer::Kind::no_core});
     return false;
   }
-  Command command;
-  command.kind = CommandKind::stop;
-  command.client = client;
-  command.request_id = next_request();
-  if (done) pending_[command.request_id] = {command.request_id, clock_ns_ + kAnswerLimit_ns, std::move(done), false, std::nullopt};
-  if (!send(command)) outbox_.push_front(command);
+  std::uint32_t request = waiting_stop();
+  if (request == 0) {
+    Command command;
+    command.kind = CommandKind::stop;
+    command.client = client;
+    command.request_id = request = next_request();
+    if (!send(command)) outbox_.push_front(command);
+  }
+  if (done) pending_.emplace(request, Pending{clock_ns_ + kAnswerLimit_ns, std::move(done), false, std::nullopt});
   if (wake_) wake_();
   return true;
+}
+
+// A STOP before another command does not count: that command may set the hoist in motion again.
+std::uint32_t CoreDesk::waiting_stop() const {
+  if (!outbox_.empty() && outbox_.front().kind == CommandKind::stop) return outbox_.front().request_id;
+  return link_.untaken_stop();
 }
 
 bool CoreDesk::drive(const contract::DriveCommand& command) {
@@ -327,19 +336,18 @@ void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& an
       staged_.erase(staged);
       continue;
     }
-    const auto found = pending_.find(event.request_id);
-    if (found == pending_.end()) continue;
+    const auto [first, last] = pending_.equal_range(event.request_id);
+    if (first == last) continue;
     // A set fails because of one of its rows: that row is what the person wants to hear about.
-    const Event& reason = refused && found->second.staging_refusal ? *found->second.staging_refusal : event;
-    answered.push_back({std::move(found->second.done),
-                        {.kind = refused ? CoreAnswer::Kind::refused : CoreAnswer::Kind::done,
-                         .code = reason.code,
-                         .bits = reason.bits != 0 || !refused ? reason.bits : 1U << (reason.code & 31U),
-                         .item = reason.item,
-                         .value = reason.value},
-                        found->second.changes_settings});
-    std::erase_if(staged_, [id = found->first](const auto& row) { return row.second == id; });
-    pending_.erase(found);
+    const Event& reason = refused && first->second.staging_refusal ? *first->second.staging_refusal : event;
+    const CoreAnswer told{.kind = refused ? CoreAnswer::Kind::refused : CoreAnswer::Kind::done,
+                          .code = reason.code,
+                          .bits = reason.bits != 0 || !refused ? reason.bits : 1U << (reason.code & 31U),
+                          .item = reason.item,
+                          .value = reason.value};
+    for (auto one = first; one != last; ++one) answered.push_back({std::move(one->second.done), told, one->second.changes_settings});
+    std::erase_if(staged_, [id = event.request_id](const auto& row) { return row.second == id; });
+    pending_.erase(first, last);
   }
 }
 

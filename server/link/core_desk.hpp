@@ -84,7 +84,8 @@ class CoreDesk {
   // Stages each value and commits them: all or nothing, one answer. Sealed for this version of the parameters, 0 = whichever is in force.
   std::uint32_t ask_parameters(const std::vector<std::pair<std::uint32_t, double>>& id_values, std::uint32_t version,
                                contract::Command commit, Done done);
-  // STOP overtakes everything that waits. Never refused here; false only when no core is attached.
+  // STOP overtakes everything that waits. Never refused here; false only when no core is attached. While a STOP waits, another one is answered
+  // with it and takes no room (decision 275).
   bool stop(std::uint32_t client, Done done);
   // The newest driving command. Not queued: only the latest counts. False when no core is connected.
   bool drive(const contract::DriveCommand& command);
@@ -121,7 +122,6 @@ class CoreDesk {
 
  private:
   struct Pending {
-    std::uint32_t request_id = 0;
     std::uint64_t deadline_ns = 0;
     Done done;
     bool changes_settings = false;
@@ -141,6 +141,8 @@ class CoreDesk {
   };
 
   std::uint32_t next_request();
+  // The request of a STOP that the core has not taken and that no sent command follows; 0 when there is none.
+  [[nodiscard]] std::uint32_t waiting_stop() const;
   void flush_outbox();
   bool send(contract::Command& command);
   void read_ticks(std::uint64_t now_ns);
@@ -162,7 +164,7 @@ class CoreDesk {
   std::vector<contract::TickRecord> tick_buffer_;
   std::vector<contract::Event> event_buffer_;
   std::deque<contract::Command> outbox_;
-  std::map<std::uint32_t, Pending> pending_;
+  std::multimap<std::uint32_t, Pending> pending_;  // by request; several wait for one STOP
   std::map<std::uint32_t, std::uint32_t> staged_;  // request of a staged row -> request of its set
   std::uint32_t last_request_ = 0;
   std::uint64_t now_ns_ = 0, clock_ns_ = 0;

@@ -200,11 +200,9 @@ void Hub::close_ended() {
   }
 }
 
-bool Hub::over(const Session& session) const {
-  return Auth::over(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000));
-}
+bool Hub::over(const Session& session) const { return Auth::over(session, clocks_of(services_->utc_ns(), services_->now_ns())); }
 
-void Hub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
+void Hub::use(Session& session) { auth_->use(session, clocks_of(services_->utc_ns(), services_->now_ns())); }
 
 void Hub::add(std::shared_ptr<Client> client) {
   // Its handshake was under way when the server began to end.

@@ -22,7 +22,7 @@ namespace hoist::server {
   session->display_name = row.display_name;
   session->device = row.device;
   session->begun_utc_s = static_cast<std::uint64_t>(row.begun_s);
-  session->used_utc_s = session->written_utc_s = static_cast<std::uint64_t>(row.used_s);
+  session->used_utc_s = static_cast<std::uint64_t>(row.used_s);
   session->ended = row.ended;
   session->has_pin = row.has_pin;
   return session;

@@ -32,6 +32,8 @@ constexpr std::uint64_t kRetry_ns = 1'000'000'000;
 constexpr std::size_t kSpooledKept = 4;
 constexpr std::uint64_t kSpoolKept_ns = 600'000'000'000;
 constexpr std::uint64_t kCommit_ns = 400'000'000;
+// Pieces of folding follow each other no closer, however often a job brings a pass forward.
+constexpr std::uint64_t kFold_ns = 50'000'000;
 // The wall clock is compared with the steady one this often; a jump of more than this is noted in the recording.
 constexpr std::uint64_t kAnchor_ns = 1'000'000'000;
 constexpr std::int64_t kJump_ns = 50'000'000;
@@ -194,8 +196,25 @@ class Recorder::Work final : public Records {
       read_journal();
       if (ticks < kReadTicks && events < kReadEvents && frames < kReadFrames) break;
     }
+    end_with_core();
     if (session_open() && now_ns_ - committed_ns_ >= kCommit_ns) commit();
+    fold();
     tell();
+  }
+
+  // One piece, however long the sessions are that have ended: what the core publishes meanwhile must not be overwritten unread.
+  void fold() {
+    if (!writer_ || now_ns_ - folded_ns_ < kFold_ns) return;
+    folded_ns_ = now_ns_;
+    if (const auto more = writer_->fold_piece(); !more) log("recording: a session is not folded yet: " + more.error().message);
+  }
+
+  // A core that died in motion makes no step that would end the session. Its last step says nothing of the hoist any more.
+  void end_with_core() {
+    if (owner_.attached_.load(std::memory_order_relaxed) || !last_) return;
+    if (static_cast<double>(now_ns_ - heard_ns_) * 1e-9 < kAfterStop_s) return;
+    if (session_open()) end(db::CloseReason::core_restarted);
+    last_.reset();
   }
 
   // Before any job that comes after the choice.
@@ -369,6 +388,7 @@ class Recorder::Work final : public Records {
     }
     if (!going_on_) take_over_walk();
     joined_ = true;
+    heard_ns_ = now_ns_;
     old_.reset();
     return true;
   }
@@ -551,7 +571,10 @@ class Recorder::Work final : public Records {
     while (read_bus(last_time_ns_) == kReadFrames) {
     }
     read_journal();
-    db::Status ended = writer_->end(reason, owner_.options_.utc_ns());
+    // A core that is gone is noticed some time after its last step.
+    const bool gone = reason == db::CloseReason::core_restarted;
+    const std::int64_t last_utc_ns = static_cast<std::int64_t>(fresh_ ? started_time_ns_ : last_time_ns_) + offset_ns_;
+    db::Status ended = writer_->close(reason, gone ? last_utc_ns : owner_.options_.utc_ns());
     if (!ended) {
       fail(ended.error());
       return ended;
@@ -588,6 +611,7 @@ class Recorder::Work final : public Records {
     // All of these at once: the session has to be open before the events and frames that follow them are read.
     while (got.count > 0 && known(tick_buffer_[got.count - 1])) got = ticks_.read(tick_buffer_);
     if (got.count == 0) return 0;
+    heard_ns_ = now_ns_;
     if (session_open() && ticks_.life() != life_) {
       // The old core is gone; what it said is stored. What follows is another session, and the time between belongs to neither.
       end(db::CloseReason::core_restarted);
@@ -681,7 +705,7 @@ class Recorder::Work final : public Records {
     return static_cast<double>(record.time_ns - quiet_since_ns_) * 1e-9 >= limit_s;
   }
 
-  // Sessions of bounded length, so that joining their chunks at the end is soon done.
+  // Sessions of bounded length: what is read of one at once stays short.
   [[nodiscard]] bool standby_over(const TickRecord& record) const {
     return !may_hold_patient(record) || static_cast<double>(record.time_ns - started_time_ns_) * 1e-9 >= kStandbySession_s;
   }
@@ -841,6 +865,7 @@ class Recorder::Work final : public Records {
   std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
+  std::uint64_t heard_ns_ = 0;  // steady time of the newest step that came
   std::optional<db::CloseReason> end_again_;
   Kind kind_ = Kind::walk;                           // of the session that is open
   std::optional<std::string> chosen_, standby_for_;  // the patient, and the one whom the open session is for
@@ -861,6 +886,7 @@ class Recorder::Work final : public Records {
   std::uint64_t quiet_since_ns_ = 0;
   std::uint8_t quiet_mode_ = 0;
   std::uint64_t committed_ns_ = 0;
+  std::uint64_t folded_ns_ = 0;
   std::uint64_t tried_ns_ = 0;
   std::uint64_t begin_tried_ns_ = 0;
   std::uint64_t now_ns_ = 0;

@@ -130,6 +130,8 @@ class Recorder {
 
   // From the network thread.
   void set_parameters(const contract::ParamsInForce& parameters);
+  // Whether a core is attached to the link. After kAfterStop_s without one and without a step its session ends with its last step.
+  void set_attached(bool attached) { attached_.store(attached, std::memory_order_relaxed); }
   // What the nodes have said of their programs: of sessions that begin from now on.
   void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
@@ -167,6 +169,7 @@ class Recorder {
   bool ending_ = false;
   RecordingStatus status_;
   std::atomic<std::uint64_t> changes_ = 0;
+  std::atomic<bool> attached_ = true;
   contract::ParamsInForce parameters_{};
   std::optional<std::string> exercise_, subject_;
   std::vector<db::NodeProgram> nodes_;

@@ -32,7 +32,7 @@ void HoistState::motion_begins(nlohmann::json told, const std::optional<db::Task
 
 void HoistState::choose_patient(std::optional<ChosenPatient> patient) {
   patient_ = std::move(patient);
-  patient_rests_ns_ = 0;
+  patient_rests_ns_.reset();
   recorder_.set_subject(patient_ ? std::optional(patient_->code) : std::nullopt);
   if (on_patient_) on_patient_();
 }
@@ -44,7 +44,6 @@ void HoistState::meet_core() {
   if (life == core_life_) return;
   proposed_.clear();
   core_life_ = life;
-  patient_rests_ns_ = 0;
   walk_.forget();
   tell_walk();
 }
@@ -58,14 +57,16 @@ void HoistState::on_ticks(std::span<const contract::TickRecord> records, std::ui
     const Walk::Change change = walk_.take(record);
     told = told || change.marked || change.task.told;
     reached = reached || change.task.reached;
+    if (record.mode < contract::kModes.size() && contract::kModes[record.mode].moving) patient_rests_ns_.reset();
   }
   if (told) tell_walk();
   if (reached && on_task_end_) on_task_end_();
-  if (!patient_ || records.empty()) return;
-  const contract::TickRecord& newest = records.back();
-  const bool moves = newest.mode < contract::kModes.size() && contract::kModes[newest.mode].moving;
-  if (moves || patient_rests_ns_ == 0) patient_rests_ns_ = newest.time_ns;
-  if (static_cast<double>(newest.time_ns - patient_rests_ns_) * 1e-9 >= kPatientIdle_s) choose_patient(std::nullopt);
+}
+
+void HoistState::poll(std::uint64_t now_ns) {
+  if (!patient_) return;
+  if (!patient_rests_ns_) patient_rests_ns_ = now_ns;
+  if (static_cast<double>(now_ns - *patient_rests_ns_) * 1e-9 >= kPatientIdle_s) choose_patient(std::nullopt);
 }
 
 void HoistState::on_parameters(const contract::ParamsInForce& parameters) { recorder_.set_parameters(parameters); }

@@ -43,6 +43,8 @@ class HoistState final : public CoreListener {
   // Called whenever patient() is another.
   void set_on_patient(std::function<void()> on_patient) { on_patient_ = std::move(on_patient); }
 
+  // After each poll of the core, with the steady time: a chosen patient rests also while no core runs.
+  void poll(std::uint64_t now_ns);
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;
   void on_parameters(const contract::ParamsInForce& parameters) override;
@@ -79,7 +81,8 @@ class HoistState final : public CoreListener {
   std::function<void()> on_task_end_;
   std::optional<ChosenPatient> patient_;
   db::DeviceSettings device_;
-  std::uint64_t patient_rests_ns_ = 0;  // the core's time since which nothing has moved; 0 = not known yet
+  std::optional<std::uint64_t>
+      patient_rests_ns_;  // the steady time since the choice or the last step in motion; nothing: since the next poll
   Walk walk_;
   LeaseAsks asks_;
   std::deque<contract::Event> emergencies_;

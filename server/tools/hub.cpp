@@ -18,11 +18,9 @@ void ToolHub::set_services(Services& services, Auth& auth) {
   auth_ = &auth;
 }
 
-void ToolHub::use(Session& session) { auth_->use(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000)); }
+void ToolHub::use(Session& session) { auth_->use(session, clocks_of(services_->utc_ns(), services_->now_ns())); }
 
-bool ToolHub::over(const Session& session) const {
-  return Auth::over(session, static_cast<std::uint64_t>(services_->utc_ns() / 1'000'000'000));
-}
+bool ToolHub::over(const Session& session) const { return Auth::over(session, clocks_of(services_->utc_ns(), services_->now_ns())); }
 
 void ToolHub::open(Protocol protocol, std::unique_ptr<Stream> stream, std::shared_ptr<void> seat, SessionPtr session,
                    const std::string& address) {

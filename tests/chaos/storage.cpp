@@ -121,8 +121,13 @@ std::vector<std::string> Storage::verify(bool killed, bool again) {
     wrong.push_back("I9: the database cannot be checked: " + checked.error().message);
   else if (!(*checked)->sound())
     wrong.push_back("I9: the database is damaged: " + ((*checked)->structure.empty() ? "a stored blob" : (*checked)->structure.front()));
-  const db::Result<db::SessionWriter> writer = db::SessionWriter::create(*database);
+  db::Result<db::SessionWriter> writer = db::SessionWriter::create(*database);
   if (!writer) wrong.push_back("I9: what was interrupted cannot be closed: " + writer.error().message);
+  for (bool more = writer.ok(); more;) {
+    const db::Result<bool> folded = writer->fold_piece();
+    if (!folded) wrong.push_back("I9: what has ended cannot be folded: " + folded.error().message);
+    more = folded && *folded;
+  }
   for (const auto& [session, acknowledged] : acknowledged_) check_session(*database, session, acknowledged, wrong);
   if (again) run_again(*database, wrong);
   return wrong;

@@ -1,10 +1,11 @@
 """Attacks on the WebSocket: protocol violations, floods, taking every seat, never reading."""
 import contextlib
 import json
+import threading
 import time
 
-from ground import attack, check, until
-from wire import request, answers, Line
+from ground import attack, beside, check, until
+from wire import request, answers, frame_bytes, Line
 
 PROTOCOL, NOT_TEXT, BAD_UTF8, POLICY, TOO_BIG = 1002, 1003, 1007, 1008, 1009
 SEATS = 64  # of the server; all of one address here
@@ -80,6 +81,31 @@ def a_flood_of_messages_with_a_stop_in_it(ground):
             sockets[5].say(type="ping", t=1)
         sockets[5].say(type="stop")
         until("the STOP behind the flood stops the hoist", lambda: ground.hoist.mode() == "protective_stop", 2.0, 0.02)
+
+
+@attack("stopped")
+def a_flood_of_stops(ground):
+    """One socket sends STOP as fast as it can. Meanwhile the core answers what another client asks."""
+    ground.walk()
+    stops = frame_bytes(0x81, b'{"type":"stop"}') * 1000
+    with ground.live() as flood, ground.live() as other:
+        ending = threading.Event()
+
+        def stop_on():
+            while not ending.is_set() and flood.send(stops):
+                pass
+
+        threads = beside(1, lambda _: stop_on())
+        try:
+            until("the flood stops the hoist", lambda: ground.hoist.mode() == "protective_stop", 2.0, 0.02)
+            for number in range(1, 21):
+                other.say(type="lease_take", request=number)
+                reply = other.reply(number)
+                check(reply.get("refusals") == ["no_lease"], f"beside the flood the core did not hear question {number}: {reply}")
+        finally:
+            ending.set()
+            for thread in threads:
+                thread.join()
 
 
 @attack("stopped")

@@ -11,6 +11,7 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from harness import Failed  # noqa: E402
 
 LIMIT_S = 10.0
+MASK = b"\x5a\xc3\x0f\x99"
 
 
 class Line:
@@ -102,6 +103,21 @@ def ask(port, method, target, headers=(), body=b"", host=None):
     return status_of(port, request(port, method, target, headers, body, host))
 
 
+def frame_bytes(first, payload, mask=MASK):
+    """One frame of a WebSocket; `first` is its first byte, `mask` None leaves it unmasked."""
+    size = len(payload)
+    masked = 0x80 if mask is not None else 0
+    if size < 126:
+        head = bytes([first, masked | size])
+    elif size < 65536:
+        head = bytes([first, masked | 126]) + struct.pack(">H", size)
+    else:
+        head = bytes([first, masked | 127]) + struct.pack(">Q", size)
+    if mask is None:
+        return head + payload
+    return head + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload))
+
+
 class WebSocket(Line):
     """After a correct handshake, unless `headers` spoil it; `status` is the handshake's."""
 
@@ -117,19 +133,8 @@ class WebSocket(Line):
         head = self.read_until(b"\r\n\r\n")
         self.status = int(head[9:12]) if head else 0
 
-    def frame(self, first, payload, mask=b"\x5a\xc3\x0f\x99"):
-        """One frame; `first` is its first byte, `mask` None sends it unmasked."""
-        size = len(payload)
-        masked = 0x80 if mask is not None else 0
-        if size < 126:
-            head = bytes([first, masked | size])
-        elif size < 65536:
-            head = bytes([first, masked | 126]) + struct.pack(">H", size)
-        else:
-            head = bytes([first, masked | 127]) + struct.pack(">Q", size)
-        if mask is None:
-            return self.send(head + payload)
-        return self.send(head + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload)))
+    def frame(self, first, payload, mask=MASK):
+        return self.send(frame_bytes(first, payload, mask))
 
     def say(self, **message):
         return self.frame(0x81, json.dumps(message).encode())

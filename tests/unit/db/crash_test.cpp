@@ -133,6 +133,8 @@ std::string verify(const Life& life, const OpenOptions& options) {
   if (const std::string damage = damage_of(*database); !damage.empty()) return "was damaged: " + damage;
   Result<SessionWriter> writer = SessionWriter::create(*database);
   if (!writer) return "no writer: " + writer.error().message;
+  for (auto more = writer->fold_piece(); !more || *more; more = writer->fold_piece())
+    if (!more) return "not folded: " + more.error().message;
   const SessionReader reader(*database);
   const auto holds = [&](SessionId id, std::uint32_t seed, std::uint64_t samples) -> std::string {
     const std::vector<std::string> names{"x_m", "left_alpha_rad"};

@@ -10,6 +10,7 @@
 #include <optional>
 #include <random>
 
+#include "db/store/deletion.hpp"
 #include "db/store/exercise_json.hpp"
 #include "db/store/hoist_id.hpp"
 #include "db/store/markers.hpp"
@@ -902,7 +903,7 @@ TEST(Writer, a_locked_database_is_busy_and_loses_nothing) {
   expect_recorded(other, *id, records);
 }
 
-TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded) {
+TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded_later) {
   TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");
   Walk walk(16);
@@ -920,9 +921,67 @@ TEST(Writer, sessions_left_open_are_closed_as_interrupted_and_folded) {
   ASSERT_TRUE(info.ok());
   EXPECT_EQ(info->close_reason, "interrupted");
   EXPECT_EQ(info->ended_utc_ns, kStartUtc_ns + static_cast<std::int64_t>(records.back().time_ns - kStart_ns));
+  EXPECT_EQ(number_of(database, "SELECT count(*) FROM chunks"), 8) << "a recording can begin before anything is folded";
+  expect_recorded(database, id, records);
+  while (*next.fold_piece()) {
+  }
   EXPECT_EQ(number_of(database, "SELECT count(*) FROM chunks"), 1);
   expect_recorded(database, id, records);
   EXPECT_TRUE(writer_of(database).interrupted().empty());
+}
+
+// However long a session was, a piece joins one group of its chunks, and readers find the same before and after it.
+TEST(Writer, a_session_is_folded_piece_by_piece) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  Walk walk(18);
+  const std::vector<TickRecord> records = walk.records(0, 9050);
+  std::vector<BusRecord> frames(2 * kFoldedBusFrames);
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].time_ns = kStart_ns + i;
+  const auto count = [&](const char* table) { return number_of(database, ("SELECT count(*) FROM " + std::string(table)).c_str()); };
+  const auto record = [&](SessionWriter& writer) {
+    const Result<SessionId> id = writer.begin(start_of_walk());
+    EXPECT_TRUE(id.ok() && writer.append_bus(frames).ok() && writer.append_ticks(records).ok());
+    EXPECT_TRUE(writer.close(CloseReason::finished, kStartUtc_ns).ok());
+    return *id;
+  };
+  SessionId first = 0;
+  {
+    SessionWriter writer = writer_of(database);
+    first = record(writer);
+    EXPECT_EQ(count("chunks"), 91);
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(*writer.fold_piece());
+    EXPECT_EQ(count("chunks"), 33) << "30 s in each piece";
+  }
+  // The next run goes on, and recording does not wait for it.
+  SessionWriter writer = writer_of(database);
+  const Result<SessionId> second = writer.begin(start_of_walk());
+  ASSERT_TRUE(second.ok());
+  EXPECT_EQ(count("chunks"), 33);
+  std::int64_t before = count("chunks") + count("bus_chunks");
+  for (int pieces = 0; *writer.fold_piece(); ++pieces) {
+    const std::int64_t now = count("chunks") + count("bus_chunks");
+    ASSERT_GE(now, before - 29) << "one group in piece " << pieces;
+    before = now;
+    ASSERT_LT(pieces, 20);
+    if (pieces % 3 == 0) expect_recorded(database, first, records);
+  }
+  EXPECT_EQ(count("chunks"), 4);
+  EXPECT_EQ(count("bus_chunks"), 2);
+  EXPECT_EQ(number_of(database, "SELECT min(folded) FROM sessions WHERE ended_utc_ns IS NOT NULL"), 1);
+  expect_recorded(database, first, records);
+  EXPECT_EQ(SessionReader(database).bus_frames(first, 0, frames.size() + 1)->size(), frames.size());
+  EXPECT_FALSE(*writer.fold_piece()) << "nothing is left";
+  ASSERT_TRUE(writer.close(CloseReason::finished, kStartUtc_ns).ok());
+  // A session that is deleted in between is not written any more.
+  const SessionId third = record(writer);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(*writer.fold_piece());
+  Database other = std::move(*Database::attach(dir / "hoist.db"));
+  ASSERT_TRUE(take_out(other, third).ok());
+  const std::int64_t left = count("chunks");
+  EXPECT_GT(left, 8);
+  EXPECT_FALSE(*writer.fold_piece());
+  EXPECT_EQ(count("chunks"), left);
 }
 
 TEST(Reader, pages_run_from_the_newest_to_the_oldest) {

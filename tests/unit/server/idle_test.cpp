@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <filesystem>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <random>
 #include <set>
 
+#include "control/publish/core_link.hpp"
 #include "control/run/heap_watch.hpp"
 #include "server/actions/action_table.hpp"
 #include "server/actions/actions.hpp"
@@ -44,7 +46,7 @@ class Idle : public ::testing::Test {
         records_(recorder_, [](std::function<void()>) {}),
         state_(settings_, core_, recorder_) {
     std::string error;
-    auth_ = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+    auth_ = Auth::create({.token_file = "", .hosts = {}}, {1000, 1000}, error);
     services_.reset(new Services{.settings = settings_,
                                  .counters = counters_,
                                  .core = core_,
@@ -497,7 +499,7 @@ TEST_F(Idle, ASignInThatRunsOutTakesNoStickOutOfAHandAndNoNewPress_H28) {
   session->account = true;
   session->user = "anna";
   session->role = contract::Role::therapist;
-  session->begun_utc_s = session->used_utc_s = utc_s_;
+  session->begun_s = session->used_s = static_cast<std::int64_t>(now_ns_ / 1'000'000'000);
   const std::uint32_t number = actors_.enter({{"anna", "therapist", "hoist.v1", "device-1"}});
   Browser browser(io_, hub_, session, number);
   int request = 0;
@@ -529,7 +531,7 @@ TEST_F(Idle, ASignInThatRunsOutTakesNoStickOutOfAHandAndNoNewPress_H28) {
     }
     return told;
   };
-  utc_s_ += kAccountLife_s;
+  session->begun_s -= kAccountLife_s;
   a_second_passes();
   EXPECT_EQ(hub_.clients(), 1U) << "closed while it drives";
   EXPECT_FALSE(refused(drive(true)));
@@ -560,6 +562,110 @@ TEST_F(Idle, TheNextStepMattersOnlyWhileAnAnswerIsDueOrTheLeaseIsHeld) {
   core_.ask(command, [](const CoreAnswer&) {});
   EXPECT_TRUE(woken);
   EXPECT_TRUE(core_.urgent());
+}
+
+// Decision 201. The next patient's walk must not get the code of the one before, also when the core was off in between.
+TEST_F(Idle, TheChoiceOfAPatientEndsHalfAnHourAfterItOrAfterTheLastMotion) {
+  ASSERT_TRUE(core_.connected());
+  constexpr std::uint64_t kMinute_ns = 60'000'000'000;
+  HoistState state(settings_, core_, recorder_);
+  int told = 0;
+  state.set_on_patient([&] { ++told; });
+  std::uint64_t now_ns = kMinute_ns;
+  state.choose_patient(ChosenPatient{.id = 7, .code = "P-7"});
+  state.poll(now_ns);
+  state.poll(now_ns += 29 * kMinute_ns);
+  EXPECT_TRUE(state.patient());
+  state.on_core(true);  // a core that this state has not met yet
+  state.poll(now_ns += kMinute_ns);
+  EXPECT_FALSE(state.patient()) << "without a step of the core";
+  EXPECT_EQ(told, 2);
+
+  state.choose_patient(ChosenPatient{.id = 7, .code = "P-7"});
+  state.poll(now_ns += kMinute_ns);
+  std::array<contract::TickRecord, 2> steps{};
+  steps[0].mode = static_cast<std::uint8_t>(contract::Mode::user);
+  steps[1].mode = static_cast<std::uint8_t>(contract::Mode::standby);
+  state.on_ticks(steps, 0);
+  state.poll(now_ns += 29 * kMinute_ns);
+  state.on_ticks({&steps[1], 1}, 0);
+  state.poll(now_ns += 29 * kMinute_ns);
+  EXPECT_TRUE(state.patient()) << "counted from the last step in motion";
+  state.poll(now_ns += kMinute_ns);
+  EXPECT_FALSE(state.patient());
+}
+
+// STOP has no limit of its own, so a client can send it faster than the core takes commands.
+TEST_F(Idle, AFloodOfStopsTakesTheRoomOfOneAndHoldsNothingUp_H31) {
+  ASSERT_TRUE(core_.connected());
+  int stopped = 0;
+  bool taken = false;
+  const auto flood = [&] {
+    for (int i = 0; i < 10'000; ++i) core_.stop(7, [&](const CoreAnswer& answer) { stopped += answer.done() ? 1 : 0; });
+  };
+  contract::Command lease;
+  lease.kind = contract::CommandKind::take_lease;
+  lease.client = 7;
+  // Within the call the core takes nothing.
+  fake_.set([&](contract::TickRecord&) {
+    flood();
+    core_.ask(lease, [&](const CoreAnswer& answer) { taken = answer.done(); });
+    flood();
+  });
+  poll_steps(5);
+  EXPECT_EQ(stopped, 20'000);
+  EXPECT_TRUE(taken);
+  std::vector<contract::CommandKind> kinds;
+  for (const contract::Command& command : fake_.commands()) kinds.push_back(command.kind);
+  using Kind = contract::CommandKind;
+  EXPECT_EQ(kinds, (std::vector{Kind::stop, Kind::take_lease, Kind::stop})) << "the second STOP comes after what could begin a motion";
+}
+
+// A core that has not met this server yet has no room in its ring.
+TEST(CoreDesk, StopsThatFindNoRoomWaitAsOne_H31) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder / "core.sock").string();
+  std::string error;
+  const auto core = publish::CoreLink::create(path, 1000, 5, error);
+  ASSERT_TRUE(core) << error;
+  std::uint64_t now_ns = 1'000'000'000'000;
+  const auto attach = [&](CoreDesk& desk) {
+    for (int i = 0; i < 1000 && !desk.link().attached(); ++i) {
+      core->serve(1);
+      desk.poll(now_ns += kTick_ns);
+    }
+    return desk.link().attached();
+  };
+  const auto take = [&] {
+    std::array<contract::Command, contract::kCommandSlots> commands;
+    std::uint64_t lost = 0;
+    EXPECT_TRUE(core->begin());
+    const std::size_t count = core->read_commands(commands, lost);
+    core->end();
+    return std::vector<contract::Command>(commands.begin(), commands.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  Counters counters;
+  {
+    CoreDesk first(path, counters);
+    ASSERT_TRUE(attach(first));
+    first.stop(1, nullptr);
+    ASSERT_EQ(take().size(), 1U);
+  }
+  CoreDesk second(path, counters);
+  ASSERT_TRUE(attach(second));
+  int stopped = 0;
+  for (int i = 0; i < 1000; ++i) second.stop(2, [&](const CoreAnswer& answer) { stopped += answer.done() ? 1 : 0; });
+  EXPECT_TRUE(take().empty());
+  second.poll(now_ns += kTick_ns);
+  const auto commands = take();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].kind, contract::CommandKind::stop);
+  contract::Event done;
+  done.kind = contract::EventKind::command_done;
+  done.request_id = commands[0].request_id;
+  core->publish_event(done);
+  second.poll(now_ns += kTick_ns);
+  EXPECT_EQ(stopped, 1000);
 }
 
 TEST(JsonWriter, PrintsWhatAReaderReads) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <stdexcept>
 
 #include "db/store/session_reader.hpp"
 #include "db/store/session_writer.hpp"
@@ -181,6 +182,21 @@ TEST_F(Queue, AFileThatIsNotSetUpIsAFaultOfTheStorage) {
   EXPECT_EQ(jobs.find(1)->state, JobState::failed);
   EXPECT_EQ(jobs.find(1)->reason, server::Reason::storage);
   EXPECT_FALSE(jobs.find(1)->detail.empty());
+}
+
+TEST_F(Queue, AJobThatThrowsFailsAndTheNextOneRuns) {
+  Jobs jobs(options());
+  ASSERT_TRUE(jobs.add(JobKind::recompute_metrics, {}, {}));
+  ASSERT_TRUE(jobs.add(JobKind::recompute_metrics, {}, {}));
+  on_step_ = [](const JobInfo& info) {
+    if (info.id == 1) throw std::runtime_error("the folder cannot be read");
+  };
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(jobs.find(1)->state, JobState::failed);
+  EXPECT_EQ(jobs.find(1)->reason, server::Reason::internal);
+  EXPECT_EQ(jobs.find(1)->detail, "the job broke off: the folder cannot be read");
+  EXPECT_TRUE(jobs.work_here());
+  EXPECT_EQ(jobs.find(2)->state, JobState::done);
 }
 
 TEST_F(Queue, DamagedPagesAreToldToTheRecorder) {

@@ -78,9 +78,12 @@ TEST(Settings, RefusesWhatItDoesNotKnow) {
   }
 }
 
+// Both clocks show this time.
+Clocks at(std::int64_t s) { return {static_cast<std::uint64_t>(s), s}; }
+
 TEST(Host, OnlyOurNames) {
   std::string error;
-  const auto auth = Auth::create({.token_file = "", .hosts = {"hoist.local"}}, 1000, error);
+  const auto auth = Auth::create({.token_file = "", .hosts = {"hoist.local"}}, at(1000), error);
   ASSERT_TRUE(auth) << error;
   for (const char* good : {"127.0.0.1", "127.0.0.1:8080", "localhost:1", "LOCALHOST", "[::1]", "[::1]:80", "hoist.local:443"})
     EXPECT_TRUE(auth->host_allowed(good)) << good;
@@ -91,13 +94,13 @@ TEST(Host, OnlyOurNames) {
 
 TEST(Origin, ExactlyTheHostAsked) {
   std::string error;
-  const auto auth = Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+  const auto auth = Auth::create({.token_file = "", .hosts = {}}, at(1000), error);
   ASSERT_TRUE(auth) << error;
   EXPECT_TRUE(auth->origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080"));
   for (const char* bad : {"", "null", "https://127.0.0.1:8080", "http://127.0.0.1:80801", "http://127.0.0.1:808", "http://127.0.0.1",
                           "http://localhost:8080", "http://127.0.0.1:8080/", "http://evil.example"})
     EXPECT_FALSE(auth->origin_matches(bad, "127.0.0.1:8080")) << bad;
-  const auto secure = Auth::create({.token_file = "", .hosts = {}, .secure = true}, 1000, error);
+  const auto secure = Auth::create({.token_file = "", .hosts = {}, .secure = true}, at(1000), error);
   ASSERT_TRUE(secure) << error;
   EXPECT_TRUE(secure->origin_matches("https://127.0.0.1:8080", "127.0.0.1:8080"));
   EXPECT_FALSE(secure->origin_matches("http://127.0.0.1:8080", "127.0.0.1:8080")) << "a plain page beside a secure one";
@@ -109,17 +112,17 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   std::string secret;
   std::string token;
   {
-    const auto auth = Auth::create({.token_file = folder / "token", .hosts = {}}, 1000, error);
+    const auto auth = Auth::create({.token_file = folder / "token", .hosts = {}}, at(1000), error);
     ASSERT_TRUE(auth) << error;
     token = auth->bearer_token();
     EXPECT_EQ(token.size(), 64U);
     const std::string link = auth->link_token();
-    EXPECT_FALSE(auth->use_link("", 1000));
-    EXPECT_FALSE(auth->use_link(link.substr(1), 1000));
-    const auto session = auth->use_link(link, 1000);
+    EXPECT_FALSE(auth->use_link("", at(1000)));
+    EXPECT_FALSE(auth->use_link(link.substr(1), at(1000)));
+    const auto session = auth->use_link(link, at(1000));
     ASSERT_TRUE(session);
     secret = session->secret;
-    EXPECT_FALSE(auth->use_link(link, 1000)) << "a link must not work twice";
+    EXPECT_FALSE(auth->use_link(link, at(1000))) << "a link must not work twice";
     EXPECT_NE(auth->link_token(), link);
   }
   struct stat info {};
@@ -127,39 +130,39 @@ TEST(Auth, ALinkWorksOnceAndSessionsOutliveTheServer) {
   EXPECT_EQ(info.st_mode & 0777U, 0600U);
   ASSERT_EQ(::stat((folder / "token.sessions").c_str(), &info), 0);
   EXPECT_EQ(info.st_mode & 0777U, 0600U);
-  const auto again = Auth::create({.token_file = folder / "token", .hosts = {}}, 1010, error);
+  const auto again = Auth::create({.token_file = folder / "token", .hosts = {}}, at(1010), error);
   ASSERT_TRUE(again) << error;
   EXPECT_EQ(again->bearer_token(), token);
   Request request;
   request.headers["cookie"] = "other=1; hoist_session=" + secret;
-  EXPECT_FALSE(again->find(request, 1010)) << "the link's cookie is this computer's";
-  EXPECT_TRUE(again->find_for_stop(request, 1010)) << "but for STOP";
+  EXPECT_FALSE(again->find(request, at(1010))) << "the link's cookie is this computer's";
+  EXPECT_TRUE(again->find_for_stop(request, at(1010))) << "but for STOP";
   request.from_here = true;
-  EXPECT_TRUE(again->find(request, 1010));
-  EXPECT_TRUE(again->find(request, 1010 + kSessionLife_s)) << "in use";
-  const std::uint64_t late_s = 1010 + 2 * kSessionLife_s + 1;
-  EXPECT_FALSE(again->find(request, late_s)) << "a session ends half a day after its last use";
-  EXPECT_TRUE(again->find_for_stop(request, late_s)) << "but may still say STOP";
-  EXPECT_FALSE(again->find(request, 1011)) << "and stays ended";
+  EXPECT_TRUE(again->find(request, at(1010)));
+  EXPECT_TRUE(again->find(request, at(1010 + kSessionLife_s))) << "in use";
+  const std::int64_t late_s = 1010 + 2 * kSessionLife_s + 1;
+  EXPECT_FALSE(again->find(request, at(late_s))) << "a session ends half a day after its last use";
+  EXPECT_TRUE(again->find_for_stop(request, at(late_s))) << "but may still say STOP";
+  EXPECT_FALSE(again->find(request, at(1011))) << "and stays ended";
   {
-    const auto later = Auth::create({.token_file = folder / "token", .hosts = {}}, late_s, error);
+    const auto later = Auth::create({.token_file = folder / "token", .hosts = {}}, at(late_s), error);
     ASSERT_TRUE(later) << error;
-    EXPECT_FALSE(later->find(request, late_s));
-    EXPECT_TRUE(later->find_for_stop(request, late_s)) << "also after a restart";
-    for (std::size_t i = 0; i < kSessionLimit + kPastLimit; ++i) ASSERT_TRUE(later->use_link(later->link_token(), late_s));
-    EXPECT_FALSE(later->find_for_stop(request, late_s)) << "not for ever: only so many are remembered";
+    EXPECT_FALSE(later->find(request, at(late_s)));
+    EXPECT_TRUE(later->find_for_stop(request, at(late_s))) << "also after a restart";
+    for (std::size_t i = 0; i < kSessionLimit + kPastLimit; ++i) ASSERT_TRUE(later->use_link(later->link_token(), at(late_s)));
+    EXPECT_FALSE(later->find_for_stop(request, at(late_s))) << "not for ever: only so many are remembered";
   }
   request.headers["cookie"] = "hoist_session=" + secret.substr(1);
-  EXPECT_FALSE(again->find(request, 1010));
+  EXPECT_FALSE(again->find(request, at(1010)));
   request.headers = {{"authorization", "Bearer " + token}};
-  EXPECT_TRUE(again->find(request, 1010));
+  EXPECT_TRUE(again->find(request, at(1010)));
   request.headers = {{"authorization", "Bearer " + token + "0"}};
-  EXPECT_FALSE(again->find(request, 1010));
+  EXPECT_FALSE(again->find(request, at(1010)));
   // A file that others may read is not believed.
   ::chmod((folder / "token.sessions").c_str(), 0644);
-  const auto wary = Auth::create({.token_file = folder / "token", .hosts = {}}, 1010, error);
+  const auto wary = Auth::create({.token_file = folder / "token", .hosts = {}}, at(1010), error);
   request.headers = {{"cookie", "hoist_session=" + secret}};
-  EXPECT_FALSE(wary->find(request, 1010));
+  EXPECT_FALSE(wary->find(request, at(1010)));
 }
 
 TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
@@ -167,13 +170,13 @@ TEST(Auth, ATokenFileThatIsNoneStaysAsItIs) {
   const auto file = folder / "notes";
   std::ofstream(file) << "what the therapist wrote\n";
   std::string error;
-  EXPECT_FALSE(Auth::create({.token_file = file, .hosts = {}}, 1000, error));
+  EXPECT_FALSE(Auth::create({.token_file = file, .hosts = {}}, at(1000), error));
   EXPECT_NE(error.find("stays as it is"), std::string::npos) << error;
   std::string text;
   std::getline(std::ifstream(file) >> std::ws, text);
   EXPECT_EQ(text, "what the therapist wrote");
   std::ofstream(file).close();
-  EXPECT_TRUE(Auth::create({.token_file = file, .hosts = {}}, 1000, error)) << "an empty file is nobody's: " << error;
+  EXPECT_TRUE(Auth::create({.token_file = file, .hosts = {}}, at(1000), error)) << "an empty file is nobody's: " << error;
 }
 
 TEST(Header, WhatMayComeOnceComesOnce) {

@@ -783,19 +783,22 @@ TEST(DownloadLog, many_parts_of_one_file_are_one_row) {
   EXPECT_EQ(rows.size(), 1U) << "an hour";
 }
 
+// Both clocks show this time.
+server::Clocks at(std::int64_t s) { return {static_cast<std::uint64_t>(s), s}; }
+
 TEST(Tickets, open_one_socket_of_their_sign_in_within_half_a_minute) {
   std::string error;
-  const auto auth = server::Auth::create({.token_file = "", .hosts = {}}, 1000, error);
+  const auto auth = server::Auth::create({.token_file = "", .hosts = {}}, at(1000), error);
   ASSERT_NE(auth, nullptr) << error;
   const auto session = std::make_shared<server::Session>();
-  const std::string first = auth->issue_ticket(session, 1000), late = auth->issue_ticket(session, 1000);
-  EXPECT_TRUE(auth->use_ticket(first, *session, 1000 + server::kTicketLife_s));
-  EXPECT_FALSE(auth->use_ticket(first, *session, 1000)) << "once";
-  EXPECT_FALSE(auth->use_ticket(late, *session, 1000 + server::kTicketLife_s + 1)) << "too late";
-  EXPECT_FALSE(auth->use_ticket(late, *session, 1000)) << "and gone with the attempt";
-  const std::string oldest = auth->issue_ticket(session, 2000);
-  for (std::size_t i = 0; i < server::kTicketLimit; ++i) (void)auth->issue_ticket(session, 2000);
-  EXPECT_FALSE(auth->use_ticket(oldest, *session, 2000)) << "a flood costs bounded memory";
+  const std::string first = auth->issue_ticket(session, at(1000)), late = auth->issue_ticket(session, at(1000));
+  EXPECT_TRUE(auth->use_ticket(first, *session, at(1000 + server::kTicketLife_s)));
+  EXPECT_FALSE(auth->use_ticket(first, *session, at(1000))) << "once";
+  EXPECT_FALSE(auth->use_ticket(late, *session, at(1000 + server::kTicketLife_s + 1))) << "too late";
+  EXPECT_FALSE(auth->use_ticket(late, *session, at(1000))) << "and gone with the attempt";
+  const std::string oldest = auth->issue_ticket(session, at(2000));
+  for (std::size_t i = 0; i < server::kTicketLimit; ++i) (void)auth->issue_ticket(session, at(2000));
+  EXPECT_FALSE(auth->use_ticket(oldest, *session, at(2000))) << "a flood costs bounded memory";
 }
 
 TEST(SignInGuard, waits_double_to_a_minute_and_never_lock) {
@@ -853,15 +856,61 @@ TEST(Passwords, length_and_common_ones_are_refused_and_nothing_else_is_asked) {
 TEST(Sessions, an_account_is_over_after_a_quarter_of_an_hour_alone_or_a_working_day) {
   server::Session session;
   session.account = true;
-  session.begun_utc_s = session.used_utc_s = 100000;
+  session.begun_s = session.used_s = 100000;
   using server::Auth;
-  EXPECT_FALSE(Auth::over(session, 100000 + 15 * 60));
-  EXPECT_TRUE(Auth::over(session, 100000 + 15 * 60 + 1));
+  EXPECT_FALSE(Auth::over(session, at(100000 + 15 * 60)));
+  EXPECT_TRUE(Auth::over(session, at(100000 + 15 * 60 + 1)));
   session.sockets = 1;
-  EXPECT_FALSE(Auth::over(session, 100000 + 8 * 3600 - 1)) << "an open page is a use";
-  EXPECT_TRUE(Auth::over(session, 100000 + 8 * 3600));
+  EXPECT_FALSE(Auth::over(session, at(100000 + 8 * 3600 - 1))) << "an open page is a use";
+  EXPECT_TRUE(Auth::over(session, at(100000 + 8 * 3600)));
   session.ended = true;
-  EXPECT_TRUE(Auth::over(session, 100001));
+  EXPECT_TRUE(Auth::over(session, at(100001)));
+}
+
+// Decision 172. A sign-in lasts as long as time passes, however the wall clock is set meanwhile.
+TEST(Sessions, are_counted_on_the_steady_clock) {
+  using server::Auth, server::Clocks;
+  constexpr std::uint64_t kDay_s = 86400, kToday_s = 20000 * kDay_s, kTomorrow_s = kToday_s + kDay_s, kHour_s = 3600;
+  std::string error;
+  const auto auth = Auth::create({.token_file = "", .hosts = {}}, {kToday_s, 1000}, error);
+  ASSERT_NE(auth, nullptr) << error;
+  const auto signed_in = [&](std::uint64_t begun_utc_s, std::uint64_t used_utc_s, Clocks now) {
+    const auto session = std::make_shared<server::Session>();
+    session->account = true;
+    session->device = std::to_string(begun_utc_s + used_utc_s);
+    session->begun_utc_s = begun_utc_s;
+    session->used_utc_s = used_utc_s;
+    auth->add_account(session, now);
+    return session;
+  };
+  // The clock is a day ahead at the sign-in, and then put right.
+  const auto early = signed_in(kTomorrow_s, kTomorrow_s, {kTomorrow_s, 1000});
+  EXPECT_FALSE(Auth::over(*early, {kToday_s, 1000 + 15 * 60}));
+  EXPECT_TRUE(Auth::over(*early, {kToday_s, 1000 + 15 * 60 + 1})) << "alone";
+  auth->use(*early, {kToday_s, 1000 + 600});
+  EXPECT_FALSE(Auth::over(*early, {kToday_s, 1000 + 600 + 15 * 60}));
+  early->sockets = 1;
+  EXPECT_TRUE(Auth::over(*early, {kToday_s, 1000 + 8 * 3600})) << "a working day";
+  // The clock is set forward: what is signed in stays so.
+  const auto before = signed_in(kToday_s, kToday_s, {kToday_s, 2000});
+  EXPECT_FALSE(Auth::over(*before, {kTomorrow_s, 2060}));
+  const std::string ticket = auth->issue_ticket(before, {kToday_s, 2060});
+  EXPECT_TRUE(auth->use_ticket(ticket, *before, {kTomorrow_s, 2065}));
+  server::Request request;
+  request.from_here = true;
+  request.headers["cookie"] = "hoist_session=" + auth->use_link(auth->link_token(), {kToday_s, 2000})->secret;
+  EXPECT_TRUE(auth->find(request, {kTomorrow_s, 2060}));
+  // Only rows of an earlier run are put in by the wall clock: here the computer has started 50 s ago.
+  const Clocks start{kToday_s, 50};
+  const auto known = signed_in(kToday_s - 7 * kHour_s, kToday_s - 600, start);
+  EXPECT_FALSE(Auth::over(*known, {kTomorrow_s, 50 + 300}));
+  EXPECT_TRUE(Auth::over(*known, {kTomorrow_s, 50 + 301}));
+  known->sockets = 1;
+  EXPECT_FALSE(Auth::over(*known, {kTomorrow_s, 50 + 3599}));
+  EXPECT_TRUE(Auth::over(*known, {kTomorrow_s, 50 + 3600}));
+  EXPECT_FALSE(Auth::over(*signed_in(kToday_s + 1800, kToday_s + 1800, start), start)) << "a little ahead";
+  EXPECT_TRUE(Auth::over(*signed_in(kToday_s + kHour_s + 1, kToday_s, start), start));
+  EXPECT_TRUE(Auth::over(*signed_in(kToday_s, kToday_s + kHour_s + 1, start), start));
 }
 
 // Rows wait until no request does; a question about the log waits with them.

@@ -17,6 +17,8 @@
 #include "db/metrics/metric_list.hpp"
 #include "db/store/database.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/session_writer.hpp"
+#include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
 #include "db/summary/session_metrics.hpp"
 #include "server/record/recorder.hpp"
@@ -911,6 +913,65 @@ TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {
   EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
 }
 
+// What the core publishes waits in its rings for some 20 s only: a long session must not hold the recorder's thread when it ends.
+TEST_F(RefusingDisk, ALongRecordingThatEndsIsFoldedBetweenThePassesThatRecord) {
+  live();
+  ASSERT_TRUE(job([](server::Records& records) { return records.begin_manual(std::nullopt, ""); }));
+  publish(12'000, Mode::standby);
+  auto reading = db::Database::attach(folder_ / "hoist.db", {.vfs = vfs_});
+  const auto count = [&](const char* what) { return db::number_of(reading->handle(), what); };
+  const char* const kChunks = "SELECT count(*) FROM chunks WHERE session_id = 1";
+  ASSERT_TRUE(job([](server::Records& records) { return records.end_manual(); }));
+  std::int64_t before = count(kChunks);
+  EXPECT_GE(before, 120) << "nothing is folded when it ends";
+  constexpr std::int64_t kPiece = db::kFoldedChunkSamples / db::kLiveChunkSamples;
+  for (int i = 0; i < 40; ++i) {
+    publish(2, Mode::user);
+    const std::int64_t now = count(kChunks);
+    EXPECT_LT(before - now, kPiece) << "pass " << i;
+    before = now;
+  }
+  EXPECT_LT(before, 2 * kPiece) << "it is being folded";
+  EXPECT_EQ(recorder_->status().session, 2) << "while the next walk is recorded";
+  // The end of the server does not wait for the rest, and the next one goes on with it.
+  const std::int64_t left = before;
+  recorder_->finish_here();
+  EXPECT_LT(left - count(kChunks), kPiece);
+  EXPECT_EQ(count("SELECT folded FROM sessions WHERE id = 2"), 0);
+  die();
+  live();
+  publish(100, Mode::standby);
+  EXPECT_EQ(count("SELECT min(folded) FROM sessions WHERE ended_utc_ns IS NOT NULL"), 1);
+  EXPECT_GE(session(1).ticks.size(), 12'000U);
+  EXPECT_EQ(session(1).gaps.size() + session(2).gaps.size(), 0U);
+}
+
+// Decision 274
+TEST_F(TakeOver, ACoreThatDiesInMotionEndsItsSessionWithItsLastStep) {
+  live();
+  publish(300, Mode::user);
+  const std::uint64_t last_ns = record_.time_ns;
+  const auto pass_after = [&](double seconds) {
+    record_.time_ns = last_ns + static_cast<std::uint64_t>(seconds * 1e9);
+    recorder_->pass_here();
+    return recorder_->status().state;
+  };
+  EXPECT_EQ(pass_after(server::kAfterStop_s + 30), server::RecordingState::recording) << "a silent core may go on";
+  recorder_->set_attached(false);
+  EXPECT_EQ(pass_after(server::kAfterStop_s - 0.01), server::RecordingState::recording) << "it may attach again";
+  EXPECT_EQ(job([](server::Records& records) { return records.end_manual(); }).error().kind, db::ErrorKind::wrong_state);
+  EXPECT_EQ(pass_after(server::kAfterStop_s), server::RecordingState::idle);
+  const Session one = session(1);
+  EXPECT_EQ(one.info.close_reason, "core_restarted");
+  EXPECT_EQ(one.info.ended_utc_ns, kUtc_ns + static_cast<std::int64_t>(last_ns - kLife_ns));
+  EXPECT_EQ(one.ticks.size(), 300U);
+  EXPECT_EQ(job([](server::Records& records) { return records.begin_manual(std::nullopt, ""); }).error().kind, db::ErrorKind::wrong_state)
+      << "there is nothing to record";
+  recorder_->set_attached(true);
+  publish(100, Mode::user);
+  EXPECT_EQ(recorder_->status().session, 2);
+}
+
 TEST_F(TakeOver, AFileFoundDamagedIsLeftAfterTheSessionUnderWay) {
   live();
   publish(300, Mode::user);
@@ -987,7 +1048,7 @@ TEST_F(TakeOver, StandbySessionsAreBoundedAndOfOnePatientEach) {
   EXPECT_EQ(recorder_->status().session, 2);
   record_.time_ns += static_cast<std::uint64_t>(server::kStandbySession_s * 1e9) - 1'000'000'000;
   publish(200, Mode::standby);
-  EXPECT_EQ(recorder_->status().session, 3) << "joining its chunks must not keep the next walk waiting";
+  EXPECT_EQ(recorder_->status().session, 3) << "the next one follows";
   EXPECT_LE(session(2).info.duration_s, server::kStandbySession_s);
   publish(100, Mode::calibrate);
   EXPECT_EQ(recorder_->status().state, server::RecordingState::idle);
