@@ -71,8 +71,7 @@ inline constexpr std::array kCalibrationSteps{
     CalibrationStepInfo{
         CalibrationStep::wheel_radius, "wheel_radius", Role::engineer, ParamName::calibrated_wheel_radius_s, "m", 1.0, 20.0, 2, false,
         "Wheel radius",
-        "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back.",
-        "Radradius",
+        "Release the brakes by hand. Push the hoist straight ahead along a measured way, enter it, press Measure; then back.", "Radradius",
         "Die Bremsen von Hand lösen. Das Gerät einen gemessenen Weg geradeaus schieben, eingeben, Messen drücken; dann zurück."},
     CalibrationStepInfo{CalibrationStep::track, "track", Role::engineer, ParamName::calibrated_track_s, "rad", 3.1, 63.0, 2, false,
                         "Track width",

@@ -140,7 +140,7 @@ const steps = [
     title: { en: 'Driven squares', de: 'Gefahrene Quadrate' },
     action: {
       en: 'Drive the square once turning left and once turning right. Enter how far off the shown place the hoist truly ended.',
-      de: 'Das Quadrat einmal linksherum und einmal rechtsherum fahren. Eingeben, wie weit das Gerät wirklich von der angezeigten Stelle entfernt endete.',
+      de: 'Das Quadrat einmal linksherum und einmal rechtsherum fahren. Eingeben, wie weit entfernt das Gerät wirklich endete.',
     },
     found: { track_width_m: 0.68 },
   },

@@ -40,6 +40,6 @@ describe('a check box', { timeout: minutes_ms }, () => {
     await box.focus();
     await page.keyboard.press('Space');
     await expect.poll(stops).toBeGreaterThan(0);
-    expect(await box.isChecked()).toBe(true);
+    await expect.poll(() => box.isChecked()).toBe(true);
   });
 });

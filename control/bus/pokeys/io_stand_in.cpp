@@ -14,8 +14,12 @@ namespace {
 constexpr std::uint8_t kId = contract::node_id(IoStandIn::kNode);
 constexpr std::uint64_t kNsPerMs = 1'000'000;
 
-// The objects that can be read over SDO; a PoKeys has no others.
-constexpr bool in_identity(std::uint16_t index) { return index == 0x1000 || index == 0x1001 || index == 0x1017 || index == 0x1018; }
+// The objects that can be read over SDO; a PoKeys has no others. The core starts no node before its kept objects have told their defaults; here
+// nothing acts on them.
+constexpr bool is_readable(const contract::ObjectInfo& object) {
+  return object.index == 0x1000 || object.index == 0x1001 || object.index == 0x1017 || object.index == 0x1018 ||
+         std::ranges::find(contract::kKeptObjects, &object) != contract::kKeptObjects.end();
+}
 
 void put(std::span<CanFrame> out, std::size_t& count, const CanFrame& frame) {
   if (count < out.size()) out[count++] = frame;
@@ -62,13 +66,13 @@ void IoStandIn::answer_sdo(const CanFrame& request) {
   if (reply_count_ == replies_.size()) return;
   const auto index = static_cast<std::uint16_t>(contract::read_le(&request.data[1], 2));
   const std::uint8_t sub = request.data[3];
-  const contract::ObjectInfo* object = in_identity(index) ? contract::find_object(contract::NodeKind::io, index, sub) : nullptr;
+  const contract::ObjectInfo* object = contract::find_object(contract::NodeKind::io, index, sub);
   const std::uint32_t reply_id = canopen::kSdoReplyBase + kId;
   const auto abort = [&](canopen::SdoAbort why) {
     replies_[reply_count_++] = canopen::sdo(reply_id, canopen::kSdoAbort, index, sub, static_cast<std::uint32_t>(why));
   };
   if (request.data[0] == canopen::kSdoAbort) return;
-  if (object == nullptr) return abort(canopen::SdoAbort::no_object);
+  if (object == nullptr || !is_readable(*object)) return abort(canopen::SdoAbort::no_object);
   if (request.data[0] != canopen::kSdoUploadRequest) return abort(canopen::SdoAbort::read_only);
   const std::size_t bytes = contract::object_bytes(object->type);
   auto value = static_cast<std::uint32_t>(std::llround(contract::object_default(*object, kNode)));

@@ -13,6 +13,7 @@
 #include <functional>
 #include <optional>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include "firmware/sim/pokeys_device.hpp"
@@ -417,6 +418,15 @@ TEST_F(StandIn, BehavesAsTheInputNode) {
   auto frames = step();
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0], contract::canopen::sdo(0x588, 0x43, 0x1018, 2, 3)) << "an input board, and no simulated one";
+  // What the core asks for before it starts the node.
+  for (const auto& [index, sub, command, word] : {std::tuple{0x1016, 1, 0x43, 0x007F00FA}, {0x6206, 1, 0x4F, 255}, {0x6207, 1, 0x4F, 0}}) {
+    const auto object = static_cast<std::uint16_t>(index);
+    const auto part = static_cast<std::uint8_t>(sub);
+    node.on_frame(contract::canopen::sdo(0x608, contract::canopen::kSdoUploadRequest, object, part, 0));
+    frames = step();
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_EQ(frames[0], contract::canopen::sdo(0x588, static_cast<std::uint8_t>(command), object, part, static_cast<std::uint32_t>(word)));
+  }
   for (int i = 0; i < 100; ++i)
     for (const CanFrame& frame : step())
       EXPECT_EQ(frame, contract::canopen::heartbeat(8, NmtState::pre_operational)) << "no data before start";

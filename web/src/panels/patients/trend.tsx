@@ -30,7 +30,11 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   const figure = metrics.find((one) => one.key === key)!;
   // One page holds walks of all kinds; with more of them, those like the newest of the chosen kind are asked for, beside the first.
   const newest = asked.value?.next == null ? undefined : kinds.get(walked)?.session;
-  const alike = useQuery(newest === undefined ? null : () => askFor(patient, { limit: sessionsMost - 1, comparable_to: newest }), [patient, again, newest]);
+  const alike = useQuery(newest === undefined ? null : () => askFor(patient, { limit: sessionsMost - 1, comparable_to: newest }), [
+    patient,
+    again,
+    newest,
+  ]);
   const told = alike.value?.items[0]?.session === newest ? (alike.value ?? asked.value) : asked.value;
   const points = pointsOf([...(told?.items ?? []), ...(told?.firsts ?? [])], walked, key);
   const change = changeOf(told?.changes ?? [], walked, key);
