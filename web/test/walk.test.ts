@@ -77,7 +77,7 @@ describe('a viewer', { timeout: minutes_ms }, () => {
     fake.hoist.mode = 'user';
     await page.locator('.mode-user').waitFor();
     const trial = page.getByRole('region', { name: en['tune.trial.title'] });
-    await trial.locator('.blockers').waitFor();
+    await trial.getByText('Your role may not change this.').waitFor();
     expect(await enabled('.walk-controls, .markers, .trial-buttons')).toEqual([]);
     await reason().waitFor();
     fake.fault('stop_pressed');

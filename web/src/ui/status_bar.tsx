@@ -92,6 +92,7 @@ function Control() {
   const { lead, led, may } = useReadiness();
   const mine = lead === 'mine';
   const who = useStore((s) => nameOf(s.lease.actor));
+  const free = lead === 'nobody' && led && may;
   const value =
     lead === 'other' && who !== null
       ? who
@@ -99,7 +100,7 @@ function Control() {
         ? noValue
         : t(({ mine: 'bar.controlMine', other: 'bar.controlOther', nobody: 'bar.controlNobody' } as const)[lead]);
   return (
-    <div class="bar-item control">
+    <div class={free ? 'bar-item control free' : 'bar-item control'}>
       <span class="bar-label">{t('bar.control')}</span>
       <span class="bar-value">{value}</span>
       <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
@@ -109,7 +110,7 @@ function Control() {
       <button
         type="button"
         class="link-button"
-        hidden={lead !== 'nobody' || !led || !may}
+        hidden={!free}
         aria-label={`${t('bar.control')}: ${t('lease.take')}`}
         onClick={() => void ensureLease().then(tell)}
       >

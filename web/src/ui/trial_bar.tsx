@@ -2,8 +2,8 @@
 import { keepSettings, undoSettings } from '../link/console';
 import { useReadiness } from '../link/readiness';
 import { useStore } from '../link/store';
-import { t } from '../text/text';
-import { Refusal, useRequest, WatchOnly } from './refusal';
+import { refusalText, t } from '../text/text';
+import { Refusal, useRequest } from './refusal';
 import './trial_bar.css';
 
 export function TrialBar() {
@@ -15,7 +15,8 @@ export function TrialBar() {
   return (
     <div class="trial-bar" role="region" aria-label={t('tune.trial.title')}>
       <p>
-        <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>
+        <strong>{t('tune.trial.title')}</strong> <span class="num">{t('tune.trial.left', { n: left_s })}</span>{' '}
+        {may ? null : refusalText('not_allowed')}
       </p>
       <div class="trial-buttons">
         <button type="button" class="plain" disabled={!may} onClick={() => void request.ask(undoSettings)}>
@@ -26,7 +27,6 @@ export function TrialBar() {
         </button>
       </div>
       <Refusal request={request} />
-      <WatchOnly />
     </div>
   );
 }
