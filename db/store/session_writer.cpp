@@ -5,7 +5,6 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <ranges>
 #include <string>
 #include <utility>
 
@@ -290,17 +289,16 @@ struct SessionWriter::State {
   }
 
   void note_gap(std::string_view stream, std::uint64_t from_tick, std::uint64_t to_tick, std::string_view reason) {
-    const auto newest_first = gaps | std::views::reverse;
     // Neighbours of one stream and reason become one row, also when the streams take turns: a disk that stays full costs a row per stream.
     const auto like =
-        std::ranges::find_if(newest_first, [&](const PendingGap& gap) { return gap.stream == stream && gap.reason == reason; });
-    if (like != newest_first.end() && from_tick <= like->to_tick + 1 && from_tick >= like->from_tick) {
+        std::find_if(gaps.rbegin(), gaps.rend(), [&](const PendingGap& gap) { return gap.stream == stream && gap.reason == reason; });
+    if (like != gaps.rend() && from_tick <= like->to_tick + 1 && from_tick >= like->from_tick) {
       like->to_tick = std::max(like->to_tick, to_tick);
       return;
     }
     // Many different gaps while the disk refuses: the newest row of the stream is stretched rather than memory grown.
-    const auto same = std::ranges::find(newest_first, stream, &PendingGap::stream);
-    if (gaps.size() >= kMaxPendingRows && same != newest_first.end()) {
+    const auto same = std::find_if(gaps.rbegin(), gaps.rend(), [&](const PendingGap& gap) { return gap.stream == stream; });
+    if (gaps.size() >= kMaxPendingRows && same != gaps.rend()) {
       same->from_tick = std::min(same->from_tick, from_tick);
       same->to_tick = std::max(same->to_tick, to_tick);
       return;
