@@ -314,8 +314,8 @@ TEST(Faults, H5_ADeadComputerIsStoppedByTheDrivesAlone) {
   EXPECT_FALSE(world.drives_enabled());
 }
 
-// An engineer's tool has set both drives' stop ramp to the slowest that they take (0.17 m/s2), and the overvoltage to one at which a charged battery lets
-// nothing brake. The distance that is shown, and what catches a dead computer, take the dictionary's.
+// An engineer's tool has set both drives' stop ramp to the slowest that they take (0.17 m/s2), and the overvoltage to one at which a charged
+// battery lets nothing brake. The distance that is shown, and what catches a dead computer, take the dictionary's.
 TEST(Faults, H5_ADriveWhoseStopWasChangedHasItPutRightBeforeItsNextStart) {
   Walk walk;
   ASSERT_TRUE(walk.loop.run_until([&] { return walk.loop.mode() == Mode::standby; }, 10.0));

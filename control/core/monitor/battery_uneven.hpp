@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "control/core/base/mutation.hpp"
-#include "control/core/law/low_pass.hpp"
+#include "control/core/monitor/battery_mean.hpp"
 #include "control/core/monitor/monitor.hpp"
 
 namespace hoist::core {
@@ -17,22 +17,18 @@ class BatteryUneven {
   bool check(const MonitorView& view) noexcept {
     const IoSensor& io = view.sensed.io;
     if (!io.battery_known()) return false;
-    const double now_v = io.battery_a_v() - io.battery_b_v();
-    if (!known_) filter_.value = now_v;
-    known_ = true;
-    law::low_pass_step(hold<kFault, "filter">(kFilter_s), filter_, now_v, view.dt_s);
+    const double mean_v = mean_.step(io.battery_a_v() - io.battery_b_v(), view.dt_s);
     const double limit_v = threshold<kFault, "difference">(view.params.battery_uneven_v);
-    uneven_ = !(std::fabs(filter_.value) <= (uneven_ ? limit_v - kHysteresis_v : limit_v));
+    uneven_ = !(std::fabs(mean_v) <= (uneven_ ? limit_v - kHysteresis_v : limit_v));
     return uneven_;
   }
 
  private:
-  static constexpr double kFilter_s = 1.0;  // H12
   // Only ever makes the warning last: it must not come and go with every step.
   static constexpr double kHysteresis_v = 0.1;
 
-  law::LowPassState<double> filter_;
-  bool known_ = false, uneven_ = false;
+  BatteryMean<kFault> mean_;
+  bool uneven_ = false;
 };
 
 }  // namespace hoist::core

@@ -4,7 +4,7 @@
 #pragma once
 #include "control/contract/can_dictionary.hpp"
 #include "control/core/base/mutation.hpp"
-#include "control/core/law/low_pass.hpp"
+#include "control/core/monitor/battery_mean.hpp"
 #include "control/core/monitor/monitor.hpp"
 
 namespace hoist::core {
@@ -20,22 +20,18 @@ class SupplyHigh {
   bool check(const MonitorView& view) noexcept {
     const IoSensor& io = view.sensed.io;
     if (!io.battery_known()) return false;
-    const double now_v = io.battery_a_v() + io.battery_b_v();
-    if (!known_) filter_.value = now_v;
-    known_ = true;
-    law::low_pass_step(hold<kFault, "filter">(kFilter_s), filter_, now_v, view.dt_s);
+    const double mean_v = mean_.step(io.battery_a_v() + io.battery_b_v(), view.dt_s);
     const double limit_v = threshold<kFault, "voltage">(kSupplyHigh_v);
-    high_ = !(filter_.value <= (high_ ? limit_v - kHysteresis_v : limit_v));
+    high_ = !(mean_v <= (high_ ? limit_v - kHysteresis_v : limit_v));
     return high_;
   }
 
  private:
-  static constexpr double kFilter_s = 1.0;  // what braking gives back for a moment does not count
   // Only ever makes the alarm last: it must not come and go with every step.
   static constexpr double kHysteresis_v = 0.3;
 
-  law::LowPassState<double> filter_;
-  bool known_ = false, high_ = false;
+  BatteryMean<kFault> mean_;
+  bool high_ = false;
 };
 
 }  // namespace hoist::core

@@ -29,8 +29,8 @@ constexpr std::size_t kNodes = 6;
 constexpr std::array<std::uint32_t, kNodes> kIds{0x01, 0x02, 0x08, 0x11, 0x12, 0x13};
 constexpr std::array kKinds{NodeKind::drive, NodeKind::drive, NodeKind::io, NodeKind::tilt, NodeKind::tilt, NodeKind::tilt};
 
-// The values that a node is set, in their order: parameters that live in it, which are written; then what must be as its guards take it, which is read,
-// and written when it differs. What was written is read back.
+// The values that a node is set, in their order: parameters that live in it, which are written; then what must be as its guards take it, which is
+// read, and written when it differs. What was written is read back.
 struct Value {
   NodeKind kind;
   std::uint32_t index, sub;

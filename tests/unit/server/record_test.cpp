@@ -960,7 +960,7 @@ TEST_F(TakeOver, ACoreThatDiesInMotionEndsItsSessionWithItsLastStep) {
   recorder_->set_attached(false);
   EXPECT_EQ(pass_after(server::kAfterStop_s - 0.01), server::RecordingState::recording) << "it may attach again";
   EXPECT_EQ(job([](server::Records& records) { return records.end_manual(); }).error().kind, db::ErrorKind::wrong_state);
-  EXPECT_EQ(pass_after(server::kAfterStop_s), server::RecordingState::idle);
+  ASSERT_EQ(pass_after(server::kAfterStop_s), server::RecordingState::idle);
   const Session one = session(1);
   EXPECT_EQ(one.info.close_reason, "core_restarted");
   EXPECT_EQ(one.info.ended_utc_ns, kUtc_ns + static_cast<std::int64_t>(last_ns - kLife_ns));

@@ -239,7 +239,7 @@ export const de: Table = {
   'bar.linkConnecting': 'Verbindet …',
   'bar.milliseconds': '{n} ms',
   'bar.recording': 'Aufnahme',
-  'bar.standby': 'Bereitschaft',
+  'bar.standby': 'Bereit',
   'bar.recordingOff': 'Keine Aufnahme',
   'bar.recordingFailed': 'Aufnahme gestört',
   'bar.battery': 'Batterie',
