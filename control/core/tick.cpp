@@ -133,6 +133,20 @@ void take_requests(CoreState& state, const TickInputs& inputs) noexcept {
   serve_release(state);
 }
 
+GateView gate_view(const CoreState& state) noexcept {
+  const auto unfit = [](const DriveSensor& drive) {
+    using State = contract::canopen::drive::State;
+    return drive.fresh().lost() || drive.state() == State::fault || drive.state() == State::fault_reaction;
+  };
+  const Estimate& sensed = state.sensed;
+  return {state.mode,
+          sensed.tilts_lost(),
+          unfit(sensed.left_drive) || unfit(sensed.right_drive),
+          state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
+          state.in_mode.service.on,
+          sensed.io.bumpers()};
+}
+
 /// The mode's wish, through the limiter.
 Wish decide(CoreState& state, double dt_s) noexcept {
   InMode& in_mode = state.in_mode;
@@ -155,7 +169,7 @@ Wish decide(CoreState& state, double dt_s) noexcept {
     // H9: the monitor only warns; this is what keeps the hoist slow on a slope.
     if ((state.latched & contract::fault_bit(Fault::base_tilt_high)) != 0)
       speed.within(state.params.base_tilt_speed_m_s_max, contract::SpeedCause::slope);
-    state.limiter.step(state.params, wish.braking, speed, wish.yaw_rate_rad_s, dt_s);
+    state.limiter.step(state.params, wish.braking, speed, wish.yaw_rate_rad_s, gate_view(state).blind(), dt_s);
   } else {
     state.limiter.reset();
   }
@@ -181,20 +195,6 @@ CanFrame drive_frame(Node node, std::uint16_t control, std::int32_t target) noex
 
 double commanded_m_s(const CanFrame& frame, double motor_per_m) noexcept {
   return wheel_m_s(static_cast<std::int32_t>(contract::read_slot(frame, contract::pdo_slot(Pdo::drive_rx1, 0x60FF))), motor_per_m);
-}
-
-GateView gate_view(const CoreState& state) noexcept {
-  const auto unfit = [](const DriveSensor& drive) {
-    using State = contract::canopen::drive::State;
-    return drive.fresh().lost() || drive.state() == State::fault || drive.state() == State::fault_reaction;
-  };
-  const Estimate& sensed = state.sensed;
-  return {state.mode,
-          sensed.tilts_lost(),
-          unfit(sensed.left_drive) || unfit(sensed.right_drive),
-          state.remote.held() && state.remote.age_s(state.time_ns) < state.params.remote_stop_age_s,
-          state.in_mode.service.on,
-          sensed.io.bumpers()};
 }
 
 /// Both drives were lost during a stop, and one answers again: meanwhile they have braked by themselves, or rolled out. The ramp continues

@@ -41,7 +41,7 @@ class ImplausibleRule {
       rate = std::max({rate, std::fabs(tilt->alpha_rate_rad_s()) / kDeg, std::fabs(tilt->beta_rate_rad_s()) / kDeg});
     }
     const bool stay_apart = apart_.step(std::fabs(left_aside - right_aside) > kApart_deg) >= 10;
-    const bool twisted = std::fabs(left_forward - right_forward) > kTwisted_deg;
+    const bool twisted = twisted_.step(std::fabs(left_forward - right_forward) > kTwisted_deg) >= 10;
     const bool swings_count = at.moving && std::fabs(s.odometry.speed_m_s) > 0.1 && !stale;
     left_.step(left_aside, swings_count);
     right_.step(right_aside, swings_count);
@@ -75,7 +75,7 @@ class ImplausibleRule {
     [[nodiscard]] bool still_beside(const Swing& twin) const { return twin.square > 0.25 && square < twin.square / 10; }
   };
 
-  Streak apart_, left_still_, right_still_;
+  Streak apart_, twisted_, left_still_, right_still_;
   Swing left_, right_;
 };
 

@@ -78,7 +78,7 @@ const std::vector<Trip>& trips() {
          h.tilt_right.beta_deg = -2.2;
        },
        nothing},
-      {"struts twisted", Fault::tilt_implausible, "H7", Mode::remote, 14, [](ScriptedHoist& h) { h.lean(0, 26); }, nothing},
+      {"struts twisted", Fault::tilt_implausible, "H7", Mode::remote, 24, [](ScriptedHoist& h) { h.lean(0, 26); }, nothing},
       {"counter stands", Fault::tilt_frozen, "H6", Mode::user, 4, [](ScriptedHoist& h) { h.tilt_left.frozen = true; }, nothing},
       {"angles stand while rolling", Fault::tilt_frozen, "H6", Mode::remote, 32,
        [](ScriptedHoist& h) { h.tilt_left.dither = h.tilt_right.dither = false; }, nothing},

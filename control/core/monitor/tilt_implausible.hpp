@@ -1,7 +1,7 @@
 // H7: angles that this mechanism cannot have.
 //
-// tilt_rad_max, tilt_rate_rad_s_max and strut_twist_rad_max at once; strut_apart_rad_max for 100 ms. R2 within 100 ms. A strut that hangs still
-// beside one that swings (still_strut.hpp): R2 within 8 s of walking.
+// tilt_rad_max and tilt_rate_rad_s_max at once: R2 within 100 ms. strut_twist_rad_max and strut_apart_rad_max for 100 ms. A strut that hangs
+// still beside one that swings (still_strut.hpp): R2 within 8 s of walking.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -28,14 +28,14 @@ class TiltImplausible {
     const double rate_rad_s = threshold<kFault, "rate">(view.params.tilt_rate_rad_s_max);
     const bool fast =
         too_fast(sensed.left_strut, rate_rad_s) || too_fast(sensed.right_strut, rate_rad_s) || too_fast(sensed.base, rate_rad_s);
-    const bool twisted =
-        beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
     const bool apart = beyond(struts.beta_left_rad - struts.beta_right_rad, threshold<kFault, "apart">(view.params.strut_apart_rad_max));
-    const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kApartTicks));
+    const bool twist = beyond(struts.alpha_left_rad - struts.alpha_right_rad, threshold<kFault, "twist">(view.params.strut_twist_rad_max));
+    const bool stay_apart = apart_.step(apart, hold<kFault, "apart_time">(kLastsTicks));
+    const bool stay_twisted = twisted_.step(twist, hold<kFault, "twist_time">(kLastsTicks));
     const Strut still = still_.step(view);
     const bool beyond_limits = steep || fast || stay_apart;
     code_ = beyond_limits           ? std::uint16_t{0}
-            : twisted               ? kTwisted
+            : stay_twisted          ? kTwisted
             : still == Strut::left  ? kLeftStill
             : still == Strut::right ? kRightStill
                                     : std::uint16_t{0};
@@ -43,14 +43,15 @@ class TiltImplausible {
     // A falling patient hits the mechanical stop, and every accelerometer shows the impact. The fall alarm covers that;
     // a sensor that is wrong is still wrong after the acknowledgement.
     if (view.has(contract::Fault::fall_detected) && !view.has(kFault)) return false;
-    return beyond_limits || twisted || still != Strut::none;
+    return beyond_limits || stay_twisted || still != Strut::none;
   }
   /// Its detail code (HOIST_DETAIL): a twist alone is within what both struts can do, and a patient turns that far; a strap comes off.
   [[nodiscard]] std::uint16_t code() const noexcept { return code_; }
 
  private:
-  // The top bar is rigid: both struts lean sideways alike. For 100 ms, because the three sensors do not sample together.
-  static constexpr std::uint8_t kApartTicks = 10;
+  // The top bar is rigid: both struts lean sideways alike, and twist no farther than a pelvis turns. For 100 ms, because the three sensors
+  // do not sample together, and a step shakes each its own way. DECISIONS.md, 170.
+  static constexpr std::uint8_t kLastsTicks = 10;
   static constexpr std::uint16_t kTwisted = 1, kLeftStill = 2, kRightStill = 3;
 
   [[nodiscard]] static bool beyond(double angle, double limit) noexcept { return !(std::fabs(angle) <= limit); }
@@ -59,7 +60,7 @@ class TiltImplausible {
   }
 
   std::uint16_t code_ = 0;
-  Lasting apart_;
+  Lasting apart_, twisted_;
   StillStrut still_;
 };
 

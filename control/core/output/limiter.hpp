@@ -18,7 +18,9 @@ inline constexpr double kGivesWay_m_s2 = 0.3;
 class Limiter {
  public:
   /// One step towards the wish; while a stop is in force the wish is not looked at. A wish that is not a number counts as zero.
-  void step(const contract::Params& params, Braking braking, LimitedSpeed speed, double yaw_wish_rad_s, double dt_s) noexcept {
+  /// `blind`: neither speed nor turn grows, not even by what the jerk limit has left of an acceleration (H4).
+  void step(const contract::Params& params, Braking braking, LimitedSpeed speed, double yaw_wish_rad_s, bool blind,
+            double dt_s) noexcept {
     cause_ = contract::SpeedCause::none;
     if (braking != Braking::none) {
       brake(params, braking, dt_s);
@@ -31,6 +33,7 @@ class Limiter {
       gives_way_ = false;
       acceleration_m_s2_ = 0;
     }
+    const double before_m_s = speed_m_s_, before_rad_s = yaw_rate_rad_s_;
     // A turn has priority and the hoist slows down for it. Until it has, each uses what the other leaves.
     const WheelRoom room{params};
     if (!std::isfinite(speed.m_s())) speed = {};
@@ -46,6 +49,11 @@ class Limiter {
     if (speed_m_s_ == wish_m_s) gives_way_ = false;
     const double yaw_target_rad_s = clamp(yaw_wish_in_rad_s, std::fmin(yaw_room_rad_s, room.yaw_left_rad_s(speed_m_s_)));
     yaw_rate_rad_s_ = toward(yaw_rate_rad_s_, yaw_target_rad_s, params.yaw_acceleration_rad_s2_max * dt_s);
+    if (!blind) return;
+    const double risen_m_s = speed_m_s_;
+    speed_m_s_ = no_farther(speed_m_s_, before_m_s);
+    if (speed_m_s_ != risen_m_s) acceleration_m_s2_ = 0;
+    yaw_rate_rad_s_ = no_farther(yaw_rate_rad_s_, before_rad_s);
   }
 
   /// Standing: nothing is commanded.
@@ -67,6 +75,10 @@ class Limiter {
  private:
   [[nodiscard]] static double finite(double x) noexcept { return std::isfinite(x) ? x : 0.0; }
   [[nodiscard]] static double clamp(double x, double limit) noexcept { return x > limit ? limit : (x < -limit ? -limit : x); }
+  [[nodiscard]] static double no_farther(double next, double before) noexcept {
+    if (!(next * before > 0)) return 0.0;
+    return std::fabs(next) > std::fabs(before) ? before : next;
+  }
   [[nodiscard]] static double toward(double from, double to, double step) noexcept {
     const double gap = to - from;
     return gap > step ? from + step : (gap < -step ? from - step : to);

@@ -25,6 +25,12 @@ struct GateView {
   bool driver_fresh = false;  // a held driving command younger than remote_stop_age_s
   bool service = false;       // nodes get new programs
   std::uint8_t bumpers = 0;   // pressed ones, bits as in io_sensor.hpp: 0 front, 1 rear, 2 left, 3 right
+
+  /// No acceleration and no faster turn: the tilts that lead are lost, there is no driver, or a drive does not follow.
+  [[nodiscard]] bool blind() const noexcept {
+    if (drives_unfit || mode == contract::Mode::protective_stop) return true;
+    return mode == contract::Mode::user ? tilts_lost : !driver_fresh;
+  }
 };
 
 class SafetyGate {
@@ -174,19 +180,13 @@ class SafetyGate {
     if (view.mode == contract::Mode::protective_stop && !ran) return true;
     const bool faster = speed > std::fabs(from.speed_m_s) + kRounding_m_s;
     const bool sharper = turn > std::fabs(from.yaw_rate_rad_s) + rounding_rad_s;
-    if ((faster || sharper) && blind(view)) return false;
+    if ((faster || sharper) && view.blind()) return false;
     const double hardest_m_s2 = faster ? params.acceleration_m_s2_max : hardest_stop_m_s2(params);
     if (std::fabs(to.speed_m_s - from.speed_m_s) > hardest_m_s2 * dt_s + kRounding_m_s) return false;
     if (std::fabs(to.yaw_rate_rad_s - from.yaw_rate_rad_s) > params.yaw_acceleration_rad_s2_max * dt_s + rounding_rad_s) return false;
     // A turn sweeps every corner sideways.
     if (sharper && view.bumpers != 0) return false;
     return !faster || clear_of_bumpers(to.speed_m_s, view.bumpers);
-  }
-
-  /// No acceleration and no faster turn while the tilts are lost or there is no driver.
-  [[nodiscard]] static bool blind(const GateView& view) noexcept {
-    if (view.drives_unfit || view.mode == contract::Mode::protective_stop) return true;
-    return view.mode == contract::Mode::user ? view.tilts_lost : !view.driver_fresh;
   }
 
   [[nodiscard]] static bool clear_of_bumpers(double speed_m_s, std::uint8_t bumpers) noexcept {
@@ -210,7 +210,7 @@ class SafetyGate {
     double gain_m_s = 0.0;
     if (stop) {
       gain_m_s = std::fmax(step_m_s - 2.0 * turn_step_m_s, turn_step_m_s);
-    } else if (!blind(view) && view.bumpers == 0 && alone_ticks_ < kAloneTicks) {
+    } else if (!view.blind() && view.bumpers == 0 && alone_ticks_ < kAloneTicks) {
       gain_m_s = params.acceleration_m_s2_max * dt_s + turn_step_m_s;
     }
     return std::fabs(wheel_m_s) <= std::fabs(sent.m_s) + gain_m_s + kRounding_m_s;

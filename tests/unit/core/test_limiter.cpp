@@ -35,7 +35,7 @@ TEST(Limiter, NeverExceedsAnyBoundUnderRandomWishes) {
         wish_yaw = wide(random);
       }
       const double v = limiter.speed_m_s(), a = limiter.acceleration_m_s2(), w = limiter.yaw_rate_rad_s();
-      limiter.step(p, Braking::none, speed, wish_yaw, kTick_s);
+      limiter.step(p, Braking::none, speed, wish_yaw, false, kTick_s);
       ASSERT_LE(std::abs(limiter.speed_m_s()), p.speed_m_s_max + kRounding) << run << " " << i;
       ASSERT_LE(std::abs(limiter.speed_m_s() - v) / kTick_s, p.acceleration_m_s2_max + 1e-6);
       ASSERT_LE(std::abs(limiter.acceleration_m_s2() - a) / kTick_s, p.jerk_m_s3_max + 1e-6);
@@ -55,7 +55,7 @@ TEST(Limiter, ReachesItsTargetWithoutOvershoot) {
     double largest = 0;
     int reached = 0;
     for (int i = 0; i < 400; ++i) {
-      limiter.step(p, Braking::none, target, 0, kTick_s);
+      limiter.step(p, Braking::none, target, 0, false, kTick_s);
       largest = std::max(largest, std::abs(limiter.speed_m_s()));
       if (reached == 0 && limiter.speed_m_s() == target) reached = i;
     }
@@ -71,7 +71,7 @@ TEST(Limiter, H1_ATurnHasItsWayAndTheHoistSlowsDownForIt) {
   for (const double sign : {1.0, -1.0}) {
     Limiter limiter;
     const auto lead = [&](double speed_m_s, double yaw_rate_rad_s) {
-      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, sign * speed_m_s, yaw_rate_rad_s, kTick_s);
+      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, sign * speed_m_s, yaw_rate_rad_s, false, kTick_s);
     };
     lead(0.65, 0.1);
     EXPECT_NEAR(limiter.speed_m_s(), sign * 0.65, 1e-9);
@@ -100,7 +100,7 @@ TEST(Limiter, H15_ATurnChangesTheSpeedMoreGentlyThanAWish) {
   const auto lead = [&](double speed_m_s, double yaw_rate_rad_s, int ticks) {
     hardest_m_s2 = 0;
     for (int i = 0; i < ticks; ++i) {
-      limiter.step(p, Braking::none, speed_m_s, yaw_rate_rad_s, kTick_s);
+      limiter.step(p, Braking::none, speed_m_s, yaw_rate_rad_s, false, kTick_s);
       hardest_m_s2 = std::max(hardest_m_s2, std::abs(limiter.acceleration_m_s2()));
     }
   };
@@ -135,7 +135,7 @@ TEST(Limiter, AHoistThatSpeedsUpInATurnDoesSoAsQuicklyAsAnyOther) {
     Limiter limiter;
     int ticks = 0;
     for (; limiter.speed_m_s() < speed_m_s - 1e-6 && ticks < 1000; ++ticks)
-      limiter.step(p, Braking::none, 0.6, yaw_rate_rad_s(ticks), kTick_s);
+      limiter.step(p, Braking::none, 0.6, yaw_rate_rad_s(ticks), false, kTick_s);
     return ticks;
   };
   const int straight = ticks_to(0.6, [](int) { return 0.0; });
@@ -144,9 +144,9 @@ TEST(Limiter, AHoistThatSpeedsUpInATurnDoesSoAsQuicklyAsAnyOther) {
   EXPECT_LE(ticks_to(0.39, [](int) { return 0.87; }), straight);
   // The return after a turn, with a rising wish, ends when the speed has returned.
   Limiter limiter;
-  for (int i = 0; i < 300; ++i) limiter.step(p, Braking::none, 0.5, 0.87, kTick_s);
-  for (int i = 0; i < 1500; ++i) limiter.step(p, Braking::none, 0.5 + 1e-5 * i, 0.0, kTick_s);
-  for (int i = 0; i < 20; ++i) limiter.step(p, Braking::none, 0.65, 0.0, kTick_s);
+  for (int i = 0; i < 300; ++i) limiter.step(p, Braking::none, 0.5, 0.87, false, kTick_s);
+  for (int i = 0; i < 1500; ++i) limiter.step(p, Braking::none, 0.5 + 1e-5 * i, 0.0, false, kTick_s);
+  for (int i = 0; i < 20; ++i) limiter.step(p, Braking::none, 0.65, 0.0, false, kTick_s);
   EXPECT_GT(limiter.acceleration_m_s2(), 0.4);
 }
 
@@ -156,10 +156,10 @@ TEST(Limiter, ATurnTakesHalfOfWhatTheWheelsHaveAtMost) {
   p.track_width_m = 1.2;
   p.wheel_radius_m = 0.05;
   Limiter limiter;
-  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0.6, p.yaw_rate_rad_s_max, kTick_s);
+  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0.6, p.yaw_rate_rad_s_max, false, kTick_s);
   EXPECT_NEAR(limiter.speed_m_s(), 0.175, 1e-9);
   EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.175 / 0.6, 1e-9);
-  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0, p.yaw_rate_rad_s_max, kTick_s);
+  for (int i = 0; i < 1000; ++i) limiter.step(p, Braking::none, 0, p.yaw_rate_rad_s_max, false, kTick_s);
   EXPECT_NEAR(limiter.yaw_rate_rad_s(), 0.35 / 0.6, 1e-9) << "standing it may have all";
 }
 
@@ -168,14 +168,14 @@ TEST(Limiter, TheCapOfThePatientHolds) {
   p.speed_cap_norm = 0.2;
   Limiter limiter;
   for (int i = 0; i < 500; ++i) {
-    limiter.step(p, Braking::none, 5.0, 0, kTick_s);
+    limiter.step(p, Braking::none, 5.0, 0, false, kTick_s);
     ASSERT_LE(limiter.speed_m_s(), 0.13 + kRounding);
   }
   EXPECT_NEAR(limiter.speed_m_s(), 0.13, 1e-9);
   EXPECT_EQ(limiter.cause(), contract::SpeedCause::cap);
-  limiter.step(p, Braking::none, 0.14, 0, kTick_s);
+  limiter.step(p, Braking::none, 0.14, 0, false, kTick_s);
   EXPECT_EQ(limiter.cause(), contract::SpeedCause::none) << "so little is not told";
-  limiter.step(p, Braking::soft, 5.0, 0, kTick_s);
+  limiter.step(p, Braking::soft, 5.0, 0, false, kTick_s);
   EXPECT_EQ(limiter.cause(), contract::SpeedCause::none) << "a stop is no limit";
 }
 
@@ -206,13 +206,13 @@ TEST(Limiter, EachStopBrakesAtItsOwnRateAndNeverHarder) {
   for (const auto& [braking, rate] : stops) {
     for (const double turn : {0.0, 0.5, -0.8}) {
       Limiter limiter;
-      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, 0.6, turn, kTick_s);
+      for (int i = 0; i < 400; ++i) limiter.step(p, Braking::none, 0.6, turn, false, kTick_s);
       const double v0 = limiter.speed_m_s();
       int ticks = 0;
       while (!limiter.at_rest() && ticks < 1000) {
         const double v = limiter.speed_m_s(), w = limiter.yaw_rate_rad_s();
         // Wishes meanwhile do not count.
-        limiter.step(p, braking, 0.65, -turn, kTick_s);
+        limiter.step(p, braking, 0.65, -turn, false, kTick_s);
         ASSERT_LE(v - limiter.speed_m_s(), rate * kTick_s + kRounding);
         ASSERT_GE(limiter.speed_m_s(), 0.0) << "a stop never reverses";
         ASSERT_LE(std::abs(limiter.yaw_rate_rad_s()), std::abs(w));
@@ -227,10 +227,10 @@ TEST(Limiter, EachStopBrakesAtItsOwnRateAndNeverHarder) {
 TEST(Limiter, AStopThatEndsEarlyDoesNotCarryIntoReverse) {
   const contract::Params p;
   Limiter limiter;
-  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0, kTick_s);
-  while (limiter.speed_m_s() > 0.015) limiter.step(p, Braking::protective, 0, 0, kTick_s);
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0, false, kTick_s);
+  while (limiter.speed_m_s() > 0.015) limiter.step(p, Braking::protective, 0, 0, false, kTick_s);
   for (int i = 0; i < 200; ++i) {
-    limiter.step(p, Braking::none, 0.3, 0, kTick_s);
+    limiter.step(p, Braking::none, 0.3, 0, false, kTick_s);
     ASSERT_GE(limiter.speed_m_s(), 0.0);
   }
   EXPECT_NEAR(limiter.speed_m_s(), 0.3, 1e-9);
@@ -239,8 +239,8 @@ TEST(Limiter, AStopThatEndsEarlyDoesNotCarryIntoReverse) {
 TEST(Limiter, WhatIsNotANumberCountsAsZero) {
   const contract::Params p;
   Limiter limiter;
-  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0.3, kTick_s);
-  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, i % 2 == 0 ? NAN : HUGE_VAL, -HUGE_VAL, kTick_s);
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, 0.3, 0.3, false, kTick_s);
+  for (int i = 0; i < 200; ++i) limiter.step(p, Braking::none, i % 2 == 0 ? NAN : HUGE_VAL, -HUGE_VAL, false, kTick_s);
   EXPECT_EQ(limiter.speed_m_s(), 0.0);
   EXPECT_EQ(limiter.yaw_rate_rad_s(), 0.0);
   limiter.start_from(p, NAN, HUGE_VAL);

@@ -121,7 +121,7 @@ Params any_params(std::mt19937& random) {
 }
 
 TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
-  int gentle = 0, stops = 0, exact = 0;
+  int gentle = 0, stops = 0, exact = 0, held = 0;
   std::array<int, 8> causes{};
   for (unsigned seed = 1; seed <= 200; ++seed) {
     SCOPED_TRACE(seed);
@@ -135,6 +135,7 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
     Braking braking = Braking::none;
     double speed = 0, yaw = 0, drift = 0, limit = 9;
     int dip = 0;
+    bool blind = false;
     for (int i = 0, left = 0; i < 500; ++i) {
       if (left-- == 0) {
         left = one_of(std::array{0, 1, 5, 20, 60, 150});
@@ -183,11 +184,20 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
         limited.within(limit, SpeedCause::slope);
         asked.left_m_s = std::isnan(asked.m_s) ? asked.m_s : within(asked.m_s, limit);
       }
-      limiter.step(p, braking, limited, asked.yaw_rad_s, dt);
+      if (random() % 25 == 0) blind = !blind;
+      limiter.step(p, braking, limited, asked.yaw_rad_s, blind, dt);
+      const double before_v = rule.v, before_w = rule.w;
       if (braking != Braking::none) {
         rule.stop(p, braking, dt);
       } else {
         rule.go(p, asked, dt);
+        // Who sees nothing leads nowhere: what has risen, or changed its side, did not.
+        if (blind && (std::fabs(rule.v) > std::fabs(before_v) || rule.v * before_v < 0)) {
+          rule.v = rule.v * before_v < 0 ? 0 : before_v;
+          rule.a = 0;
+          ++held;
+        }
+        if (blind) rule.w = rule.w * before_w < 0 ? 0 : std::clamp(rule.w, -std::fabs(before_w), std::fabs(before_w));
       }
       ASSERT_NEAR(limiter.speed_m_s(), rule.v, 1e-12) << i;
       if (rule.exact) {
@@ -210,6 +220,7 @@ TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
   EXPECT_GT(gentle, 3000);
   EXPECT_GT(stops, 10'000);
   EXPECT_GT(exact, 10'000);
+  EXPECT_GT(held, 3000);
   for (const SpeedCause cause : {SpeedCause::none, SpeedCause::cap, SpeedCause::turn, SpeedCause::slope})
     EXPECT_GT(causes[static_cast<std::size_t>(cause)], 1000) << static_cast<int>(cause);
 }
