@@ -565,6 +565,8 @@ class CanopenNode {
         const bool remote = tx && (raw & contract::kPdoNoRemoteBit) == 0;  // would enable answers to remote frames, which no node has
         const bool fits = id > 0x180 && id < 0x580 && (id & 0x7FU) != 0 && ((id >> 7) % 2 == 1) == tx && !remote;
         if (!fits) return SdoAbort::range;
+        // A node that obeyed another node's commands would look healthy.
+        if (!tx && id != (kRows[row.communication].initial & ~contract::kPdoOffBit) + node_id_) return SdoAbort::range;
         // What a node sends may be switched on and off at any time: the rates are a switch for one session.
         if (tx && ((raw ^ values_.raw(row.communication)) & ~contract::kPdoOffBit) == 0) return SdoAbort::none;
       } else if (sub == 2) {

@@ -88,7 +88,7 @@ Led lead(const Body& body, double wish_m_s, double seconds = 45.0) {
   int counted = 0;
   for (double t_s = 0; t_s < seconds; t_s += kTick_s) {
     share_norm = law::patient_lag_step<double>({p.guided_lag_start_rad}, share_norm, -patient.lean_rad(), -patient.rate_rad_s(), kTick_s);
-    limiter.step(p, core::Braking::none, wish_m_s * share_norm, 0.0, kTick_s);
+    limiter.step(p, core::Braking::none, wish_m_s * share_norm, 0.0, false, kTick_s);
     patient.step(limiter.speed_m_s());
     const double lag_rad = -patient.lean_rad();
     led.farthest_back_rad = std::max(led.farthest_back_rad, lag_rad);

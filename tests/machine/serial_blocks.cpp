@@ -300,7 +300,8 @@ void Ssp::advance(Time now) {
 
 void SerialLine::line_send(std::uint8_t byte, Time now) {
   const Time from = coming_.empty() ? now : std::max(now, coming_.back().at);
-  coming_.push_back({byte, from + character()});
+  const bool wrong = disturb_in_ > 0 && --disturb_in_ == 0;
+  coming_.push_back({static_cast<std::uint8_t>(wrong ? byte ^ 1U : byte), from + character(), wrong});
 }
 
 void Uart::reset() {
@@ -314,7 +315,7 @@ void Uart::reset() {
   in_.clear();
   shifting_ = false;
   shift_done_ = kNever;
-  timeout_ = thre_pending_ = overrun_ = framing_ = false;
+  timeout_ = thre_pending_ = overrun_ = false;
 }
 
 double Uart::baud(std::uint32_t clock_hz) const {
@@ -332,7 +333,7 @@ std::size_t Uart::trigger() const {
 
 // The cause as IIR shows it: bit 0 set = none.
 std::uint32_t Uart::cause() const {
-  if ((ier_ & 4U) != 0 && (overrun_ || framing_)) return 6;
+  if ((ier_ & 4U) != 0 && (overrun_ || framing())) return 6;
   if ((ier_ & 1U) != 0 && in_.size() >= trigger()) return 4;
   if ((ier_ & 1U) != 0 && timeout_) return 12;
   if ((ier_ & 2U) != 0 && thre_pending_) return 2;
@@ -348,7 +349,7 @@ std::uint32_t Uart::read(std::uint32_t offset, Time now) {
         complain_("UART: empty receiver read");
         return 0;
       }
-      const std::uint8_t byte = in_.front();
+      const std::uint8_t byte = in_.front().byte;
       in_.pop_front();
       timeout_ = false;
       last_received_ = now;
@@ -366,9 +367,10 @@ std::uint32_t Uart::read(std::uint32_t offset, Time now) {
     case 0x10:
       return mcr_;
     case 0x14: {
-      const std::uint32_t value = (in_.empty() ? 0U : 1U) | (overrun_ ? 2U : 0U) | (framing_ ? 8U : 0U) | (out_.empty() ? 0x20U : 0U) |
+      const std::uint32_t value = (in_.empty() ? 0U : 1U) | (overrun_ ? 2U : 0U) | (framing() ? 8U : 0U) | (out_.empty() ? 0x20U : 0U) |
                                   (out_.empty() && !shifting_ ? 0x40U : 0U);
-      overrun_ = framing_ = false;
+      overrun_ = false;
+      if (!in_.empty()) in_.front().wrong = false;
       return value;
     }
     case 0x18:
@@ -484,13 +486,12 @@ void Uart::advance(Time now) {
     timeout_ = false;
     const double rate = baud(clock_hz_);
     const bool wrong = std::fabs(rate - line_baud_) > kBaudTolerance * line_baud_ || (lcr_ & 0x3FU) != 3;
-    if (wrong) framing_ = true;
     if (in_.size() >= ((fcr_ & 1U) != 0 ? kFifo : 1)) {
       overrun_ = true;
       ++overruns_;
       continue;
     }
-    in_.push_back(wrong ? static_cast<std::uint8_t>(~coming.byte) : coming.byte);
+    in_.push_back({wrong ? static_cast<std::uint8_t>(~coming.byte) : coming.byte, coming.at, wrong || coming.wrong});
   }
   if (!in_.empty() && (fcr_ & 1U) != 0 && now >= last_received_ + 4 * character()) timeout_ = true;
   while (shift_done_ <= now) {

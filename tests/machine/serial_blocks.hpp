@@ -97,6 +97,8 @@ class SerialLine {
   void set_line_baud(std::uint32_t baud) { line_baud_ = baud; }
   /// Sends a byte to the chip; it arrives one character later. The caller must check may_send().
   void line_send(std::uint8_t byte, Time now);
+  /// The nth character from now comes with its lowest bit and its stop bit wrong, as by a disturbance.
+  void disturb(std::size_t nth) { disturb_in_ = nth; }
   [[nodiscard]] std::size_t line_waiting() const { return coming_.size(); }
   /// The chip's RTS is low: it has room.
   [[nodiscard]] virtual bool may_send() const = 0;
@@ -109,12 +111,14 @@ class SerialLine {
   struct Coming {
     std::uint8_t byte;
     Time at;
+    bool wrong = false;
   };
   [[nodiscard]] Time character() const { return static_cast<Time>(static_cast<double>(kSecond) * 10.0 / line_baud_); }
   [[nodiscard]] Time next_coming() const { return coming_.empty() ? kNever : coming_.front().at; }
 
   std::uint32_t line_baud_{1'000'000};
   std::deque<Coming> coming_;
+  std::size_t disturb_in_{};
   bool cts_{true};
   std::uint64_t overruns_{};
 };
@@ -141,6 +145,8 @@ class Uart : public SerialLine {
  private:
   static constexpr std::size_t kFifo = 16;
   [[nodiscard]] std::uint32_t cause() const;
+  /// Errors of a character show while it is the next to be read.
+  [[nodiscard]] bool framing() const { return !in_.empty() && in_.front().wrong; }
   [[nodiscard]] double baud(std::uint32_t clock_hz) const;
   [[nodiscard]] std::size_t trigger() const;
   void begin(Time now);
@@ -151,7 +157,7 @@ class Uart : public SerialLine {
   std::uint32_t dll_{}, dlm_{}, fdr_{}, lcr_{}, mcr_{}, ier_{}, fcr_{}, scr_{}, ter_{};
   bool checked_{};
   std::deque<std::uint8_t> out_;
-  std::deque<std::uint8_t> in_;
+  std::deque<Coming> in_;
   bool shifting_{};
   std::uint8_t shift_{};
   Time shift_done_{kNever};
@@ -159,7 +165,6 @@ class Uart : public SerialLine {
   bool timeout_{};
   bool thre_pending_{};
   bool overrun_{};
-  bool framing_{};
 };
 
 }  // namespace hoist::machine

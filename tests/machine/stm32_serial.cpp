@@ -455,7 +455,7 @@ void Stm32Usart::advance(Time now) {
       ++overruns_;
       continue;
     }
-    framing_ = framing_ || !baud_good();
+    framing_ = framing_ || !baud_good() || coming.wrong;
     received_ = baud_good() ? coming.byte : static_cast<std::uint8_t>(~coming.byte);
     full_ = true;
   }

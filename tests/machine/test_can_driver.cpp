@@ -147,6 +147,23 @@ TEST_P(CanDriver, ASentRemoteFrameTakesNoFrameFromTheComputer) {
   EXPECT_EQ(bench->violations(), "");
 }
 
+// A wrong bit that the UART notices makes no other frame of a line, wherever in it it is.
+TEST_P(CanDriver, H4ALineWithADamagedCharacterIsNoFrame) {
+  begin(true);
+  constexpr std::size_t kLine = sizeof("t7E580123456789ABCDEF");  // with its end
+  const CanFrame sent{0x7E5, 8, 0, {0x01, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD, 0xEF}}, after{0x7E4, 1, 0, {0x5A}};
+  for (std::size_t nth = 1; nth <= kLine; ++nth) {
+    bench->chip(Box::gateway).serial_line().disturb(nth);
+    bench->host_send(sent);
+    run(3);
+    bench->host_send(after);
+    run(3);
+  }
+  std::vector<CanFrame> came;
+  std::copy_if(wire.begin(), wire.end(), std::back_inserter(came), [](const CanFrame& frame) { return frame.id >= 0x7E0; });
+  EXPECT_EQ(came, std::vector(kLine - 1, after));  // a damaged end takes the next line with it
+}
+
 // What the computer sends in any order while the bus is busy leaves the gateway in the order of the identifiers. On the STM32F072 one frame of
 // process data and one of SDO and heartbeats hold a mailbox that they got before the others came (stm32f072/transmit_order.hpp).
 TEST_P(CanDriver, TheGatewaySendsByIdentifier) {

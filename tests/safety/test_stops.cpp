@@ -21,7 +21,7 @@ class Motion {
 
   // One step; false when the gate does not let the pair of frames pass.
   bool step(Mode mode, Braking braking, double speed_m_s, double yaw_rate_rad_s) {
-    limiter_.step(params_, braking, speed_m_s, yaw_rate_rad_s, kTick_s);
+    limiter_.step(params_, braking, speed_m_s, yaw_rate_rad_s, false, kTick_s);
     const WheelCommand wheels = mix_wheels(limiter_.speed_m_s(), limiter_.yaw_rate_rad_s(), derived_);
     const GateView view{mode, false, false, true, false, 0};
     return gate_.judge_drives(command(contract::Node::drive_left, wheels.left_raw), command(contract::Node::drive_right, wheels.right_raw),

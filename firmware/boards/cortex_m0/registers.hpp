@@ -70,6 +70,11 @@ class InterruptsOff {
   std::uint32_t primask_;
 };
 
+/// Longer than the slowest watchdog takes (83 ms): a round is four clocks or more, which makes 0.1 s or more at 48 MHz.
+inline void outwait_watchdog() {
+  for (std::uint32_t round = 0; round < 1'200'000; ++round) asm volatile("");
+}
+
 [[noreturn]] inline void reset_now() {
   barrier();
   ResetControl::write(kResetRequest);

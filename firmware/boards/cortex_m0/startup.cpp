@@ -20,11 +20,12 @@ extern "C" {
   hoist_main();
 }
 
-// HardFault and every unexpected interrupt: outputs off, then a reset. The chip's reset register then holds the cause, which the node
-// reports before any motion.
+// HardFault and every unexpected interrupt: outputs off, then the watchdog's reset, whose cause a drive keeps as a fault (6010h) until it is
+// reset. A reset by software looks like an update and would be forgotten; it is what ends a program that fails before its watchdog runs.
 [[noreturn]] void fault_handler() {
   hoist::firmware::cortex_m0::disable_interrupts();
   hoist_outputs_off();
+  hoist::firmware::cortex_m0::outwait_watchdog();
   hoist::firmware::cortex_m0::reset_now();
 }
 

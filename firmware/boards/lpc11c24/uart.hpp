@@ -1,7 +1,7 @@
 // UART at 1 Mbaud with hardware handshake on both lines (UM10398, chapter 13): 48 MHz / 16 / 3, exactly.
 //
 // When the receiving ring is full the interrupt stops reading; the FIFO fills to its trigger, RTS goes up, and the computer waits.
-// Characters that are lost anyway are counted.
+// Characters that are lost anyway, or damaged, are counted.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -69,6 +69,8 @@ class Uart {
   }
 
  private:
+  // Takes the place of a character that the line damaged: no command holds it, so the decoder drops the whole line.
+  static constexpr char kDamaged = '\0';
   using Data = Register<0x40008000>;
   using DivisorLow = Register<0x40008000>;
   using DivisorHigh = Register<0x40008004>;
@@ -84,10 +86,13 @@ class Uart {
   static constexpr std::uint32_t kFifo = 16;
   static constexpr std::uint32_t kCausesPerInterrupt = 8;
 
-  // Reading the status clears its errors, so they are counted here and nowhere else.
+  // Reading the status clears its errors, which belong to the next character to be read, so they are noted here and nowhere else.
   std::uint32_t take_status() {
     const std::uint32_t status = LineStatus::read();
-    if ((status & (kOverrun | kParity | kFraming)) != 0) lost_ = lost_ + 1;
+    if ((status & (kOverrun | kParity | kFraming)) != 0) {
+      lost_ = lost_ + 1;
+      damaged_ = true;
+    }
     return status;
   }
   void take(std::uint32_t status) {
@@ -97,7 +102,9 @@ class Uart {
         InterruptEnable::clear(kReceiveData);
         return;
       }
-      (void)received_.put(static_cast<char>(Data::read()));
+      const auto c = static_cast<char>(Data::read());
+      (void)received_.put(damaged_ ? kDamaged : c);
+      damaged_ = false;
       status = take_status();
     }
   }
@@ -110,6 +117,7 @@ class Uart {
   cortex_m0::Ring<char, 256> to_send_{};
   volatile bool stopped_ = false;
   volatile std::uint32_t lost_ = 0;
+  bool damaged_ = false;  // only with the interrupt off or in it
 };
 
 }  // namespace hoist::firmware::lpc11c24

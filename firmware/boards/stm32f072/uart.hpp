@@ -53,13 +53,17 @@ class Uart {
     const std::uint32_t status = Status::read();
     if ((status & kErrors) != 0) {
       lost_ = lost_ + 1;
+      damaged_ = true;
       Clear::write(kErrors);
     }
     if ((status & kReady) != 0) {
-      if (received_.full())
+      if (received_.full()) {
         Control1::clear(kReceiveData);  // until the main loop has made room
-      else
-        (void)received_.put(static_cast<char>(Received::read()));
+      } else {
+        const auto c = static_cast<char>(Received::read());
+        (void)received_.put(damaged_ ? kDamaged : c);
+        damaged_ = false;
+      }
     }
     if ((status & kEmpty) != 0) {
       char c = 0;
@@ -71,6 +75,8 @@ class Uart {
   }
 
  private:
+  // Takes the place of a character that the line damaged: no command holds it, so the decoder drops the whole line.
+  static constexpr char kDamaged = '\0';
   using Control1 = Register<0x40013800>;
   using Control3 = Register<0x40013808>;
   using Divider = Register<0x4001380C>;
@@ -80,12 +86,13 @@ class Uart {
   using ToSend = Register<0x40013828>;
   static constexpr std::uint32_t kOn = (1U << 0) | (1U << 2) | (1U << 3);
   static constexpr std::uint32_t kReceiveData = 1U << 5, kTransmitEmpty = 1U << 7;
-  static constexpr std::uint32_t kErrors = (1U << 0) | (1U << 1) | (1U << 3);  // parity, framing, overrun
+  static constexpr std::uint32_t kErrors = (1U << 0) | (1U << 1) | (1U << 2) | (1U << 3);  // parity, framing, noise, overrun
   static constexpr std::uint32_t kReady = 1U << 5, kEmpty = 1U << 7;
 
   cortex_m0::Ring<char, 1024> received_{};
   cortex_m0::Ring<char, 512> to_send_{};
   volatile std::uint32_t lost_ = 0;
+  bool damaged_ = false;  // the character that waits in RDR
 };
 
 }  // namespace hoist::firmware::stm32f072

@@ -223,7 +223,8 @@ class DriveNode {
     const std::uint16_t before = std::exchange(word_, word);
     const bool reset = (word & ~before & kResetBit) != 0;
     if (state_ == State::fault) {
-      if (reset && cause_gone(fault_code_) && cause_gone(second_code_)) clear_fault();
+      // Shorted transistors often show as another fault first.
+      if (reset && cause_gone(fault_code_) && cause_gone(second_code_) && !stray_current()) clear_fault();
       return;
     }
     if (reset && fault_code_ == 0) forget_first_fault();  // of a fault that a reset of the node had ended

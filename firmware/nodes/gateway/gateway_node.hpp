@@ -291,7 +291,7 @@ class GatewayNode {
     if (board_.uart_lost() != uart_lost_seen_) {
       uart_lost_seen_ = board_.uart_lost();
       flags_ |= kOverrun;
-      lose_to_bus();  // part of a line to the bus, which the decoder drops whole
+      lose_to_bus();  // a line to the bus is dropped whole: a character is missing or damaged (uart.hpp)
     }
   }
 

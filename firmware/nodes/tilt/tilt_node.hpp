@@ -4,8 +4,8 @@
 // It samples when a SYNC arrives, so that the three sensors sample together: the chassis' acceleration affects every sensor and cancels
 // only in differences of equal, simultaneous filters (D4). Without SYNC it samples on its own clock.
 //
-// A sensor that is missing, unknown, failed its self-test or stopped giving readings makes the node invalid until a power cycle. The
-// sensor's mounting is an object (2104h); all later values are in the frame of the hoist.
+// A sensor that is missing, unknown, failed its self-test or stopped giving readings makes the node invalid until a power cycle (the last
+// also until a reset of the node). The sensor's mounting is an object (2104h); all later values are in the frame of the hoist.
 #pragma once
 #include <algorithm>
 #include <array>

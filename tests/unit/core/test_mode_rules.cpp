@@ -106,7 +106,8 @@ void set_motion(CoreState& state, Dice& dice) {
   state.limiter.start_from(p, dice.any(0, p.speed_m_s_max), dice.any(-p.yaw_rate_rad_s_max, p.yaw_rate_rad_s_max));
   // It accelerates or slows.
   const double wish_m_s = dice.chance(0.7) ? p.speed_m_s_max : 0.0;
-  for (std::size_t i = dice.below(15); i > 0; --i) state.limiter.step(p, Braking::none, wish_m_s, state.limiter.yaw_rate_rad_s(), 0.01);
+  for (std::size_t i = dice.below(15); i > 0; --i)
+    state.limiter.step(p, Braking::none, wish_m_s, state.limiter.yaw_rate_rad_s(), false, 0.01);
 }
 bool rests(const CoreState& state) { return state.limiter.at_rest() && state.sensed.odometry.standing_still; }
 

@@ -515,11 +515,12 @@ TEST_F(PdoRecords, IdsThatAreNoPdosOfThatDirectionAreRefused) {
   // A cleared bit 30 enables answers to remote frames, which no node gives (CiA 301); in received ids the bit has no meaning.
   for (const std::uint32_t remote : {0x4FFU, 0x188U, 0x80000188U})
     EXPECT_EQ(write(0x1800, 1, 4, remote), 0x06090030U) << std::hex << remote;
-  for (const std::uint32_t id : {0x208U, 0x40000208U}) EXPECT_EQ(write(0x1400, 1, 4, id), 0U) << std::hex << id;
+  for (const std::uint32_t id : {0x208U, 0x40000208U, 0x80000208U}) EXPECT_EQ(write(0x1400, 1, 4, id), 0U) << std::hex << id;
+  EXPECT_EQ(write(0x1400, 1, 4, 0x202), 0x06090030U);
   for (const std::uint32_t bad : {241U, 252U, 253U}) EXPECT_EQ(write(0x1800, 2, 1, bad), 0x06090030U) << bad;
 }
 
-TEST(PdoRecordsOfADrive, ACommandIdCanNeverBeAMeasurements) {
+TEST(PdoRecordsOfADrive, H2ACommandKeepsItsId) {
   TestBoard board;
   DriveNode<TestBoard> node(board, contract::Node::drive_left);
   tick(node, 1);
@@ -528,17 +529,18 @@ TEST(PdoRecordsOfADrive, ACommandIdCanNeverBeAMeasurements) {
   };
   EXPECT_EQ(write(1, 4, 0x191), 0x80);  // a tilt sensor's id, six bytes long like a command
   EXPECT_EQ(write(2, 1, 1), 0x80);      // commands do not wait for a SYNC
-  EXPECT_EQ(write(1, 4, 0x301), 0x60);
+  EXPECT_EQ(write(1, 4, 0x301), 0x80);
+  EXPECT_EQ(write(1, 4, 0x202), 0x80);  // the other wheel's
+  make_operational(node, board);
+  node.on_frame(frame_of(0x202, {6, 0, 0, 0, 0, 0}));
+  EXPECT_FALSE(node.stack().rpdo_alive());
+  node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));
+  EXPECT_TRUE(node.stack().rpdo_alive());
+  EXPECT_EQ(write(1, 4, 0x80000201), 0x80);  // a command cannot be switched off while operational
+  node.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  EXPECT_EQ(write(1, 4, 0x80000201), 0x60);
   make_operational(node, board);
   node.on_frame(frame_of(0x201, {6, 0, 0, 0, 0, 0}));
-  EXPECT_FALSE(node.stack().rpdo_alive());
-  node.on_frame(frame_of(0x301, {6, 0, 0, 0, 0, 0}));
-  EXPECT_TRUE(node.stack().rpdo_alive());
-  EXPECT_EQ(write(1, 4, 0x80000301), 0x80);  // a command cannot be switched off while operational
-  node.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
-  EXPECT_EQ(write(1, 4, 0x80000301), 0x60);
-  make_operational(node, board);
-  node.on_frame(frame_of(0x301, {6, 0, 0, 0, 0, 0}));
   EXPECT_FALSE(node.stack().rpdo_alive());
 }
 

@@ -253,7 +253,7 @@ class DriveRule {
     if (reset && first_.code == 0) record = {};
     switch (state) {
       case State::fault:
-        if (reset && gone(first_.code) && gone(second_code)) end_fault();
+        if (reset && gone(first_.code) && gone(second_code) && !flows_by_itself()) end_fault();
         return;
       case State::not_ready:
       case State::fault_reaction:
