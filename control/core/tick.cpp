@@ -124,6 +124,7 @@ void watch_runaway(CoreState& state, double dt_s) noexcept {
   state.relay.cut();
   raise_fault(state, Fault::overspeed);
   raise_fault(state, Fault::control_fault);
+  state.stops_changed = true;  // kept before a hand at the main switch could end it
 }
 
 void take_requests(CoreState& state, const TickInputs& inputs) noexcept {

@@ -38,8 +38,8 @@ Lean rate_of(const Estimate& sensed) {
 
 class Rule {
  public:
-  /// Whether this step is a fall. `speed_m_s` is the last command; `pushed`: on standby a wheel turns faster than 0.1 m/s.
-  bool falls(const Lean& lean, const Lean& rate, double speed_m_s, bool moving, bool pushed = false) {
+  /// Whether this step is a fall. `speed_m_s` is the last command; `pushed`: on standby a wheel turns faster than 0.1 m/s; `stops`: protectively.
+  bool falls(const Lean& lean, const Lean& rate, double speed_m_s, bool moving, bool pushed, bool stops) {
     const double change_m_s = speed_m_s - speed_m_s_, change_m_s2 = change_m_s / kTick_s;
     // Since it has become only slower, or only faster.
     grown_m_s_ = change_m_s * grown_m_s_ > 0 ? grown_m_s_ + change_m_s : change_m_s;
@@ -52,7 +52,7 @@ class Rule {
     const bool rests = lean.length() > 13;
     rest_ticks_ = rests ? rest_ticks_ + 1 : 0;
     if (!rests) swings_ = false;
-    if (!moving) return pushed && rest_ticks_ >= 10;
+    if (!moving) return (pushed && rest_ticks_ >= 10) || (stops && rest_ticks_ >= 60);
     // Thrown by the hoist itself: in the 0.3 s after its push, that way, and not mainly aside.
     const bool thrown =
         since_push_ticks_ < 30 && (lean.forward_deg > 0) == pushed_forward_ && std::fabs(lean.right_deg) <= std::fabs(lean.forward_deg);
@@ -124,13 +124,14 @@ class FallRule : public ::testing::Test {
   static constexpr double kLetGo = 9;
   /// One step, judged; whether it was a fall.
   bool falls(double stick) {
-    const bool moving = is_moving(hoist_->state.mode), standby = hoist_->state.mode == Mode::standby;
+    const Mode mode = hoist_->state.mode;
+    const bool moving = is_moving(mode), standby = mode == Mode::standby, stops = mode == Mode::protective_stop;
     const double told_m_s = (hoist_->state.left_command_m_s + hoist_->state.right_command_m_s) / 2;
     stick == kLetGo ? hoist_->hold(0, 0, false) : hoist_->hold(stick);
     hoist_->step();
     const Estimate& sensed = hoist_->state.sensed;
     const double turns_m_s = std::max(std::fabs(sensed.odometry.wheel_left_m_s), std::fabs(sensed.odometry.wheel_right_m_s));
-    const bool expected = rule_.falls(lean_of(sensed), rate_of(sensed), told_m_s, moving, standby && turns_m_s > 0.1);
+    const bool expected = rule_.falls(lean_of(sensed), rate_of(sensed), told_m_s, moving, standby && turns_m_s > 0.1, stops);
     EXPECT_EQ(hoist_->has_fault(Fault::fall_detected), expected)
         << contract::kModes[static_cast<std::size_t>(hoist_->state.mode)].name << ", lean " << lean_of(sensed).forward_deg << " and "
         << lean_of(sensed).right_deg << " degrees at " << rate_of(sensed).forward_deg << " degrees/s, told " << told_m_s << " m/s";
@@ -216,6 +217,34 @@ TEST_F(FallRule, H15EachStepOfABodyThatPushesTheHoistOnStandbyIsJudgedByTheRule)
   }
   EXPECT_GT(found_, 30);
   EXPECT_LT(found_, 90);
+}
+
+// In a stop the body that its ramp throws comes back within 0.6 s; one that stays out has fallen.
+TEST(FallInAStop, H15H16WhoStaysInTheStopsHasFallen) {
+  struct Stay {
+    double lean_deg;
+    int ticks;
+    bool falls;
+  };
+  for (const Stay stay : {Stay{13.5, 59, false}, Stay{13.5, 60, true}, Stay{-13.5, 60, true}, Stay{12.5, 500, false}}) {
+    SCOPED_TRACE(stay.lean_deg);
+    SCOPED_TRACE(stay.ticks);
+    MonitorBench bench;
+    bench.mode = Mode::protective_stop;
+    bench.moving = false;
+    FallDetected monitor;
+    bool falls = false;
+    for (int i = 0; i < stay.ticks; ++i) {
+      send_angles(bench.sensed.left_strut, {.alpha_deg = stay.lean_deg});
+      send_angles(bench.sensed.right_strut, {.alpha_deg = stay.lean_deg});
+      send_angles(bench.sensed.base, {});
+      falls = monitor.check(bench.view());
+      if (i + 1 < stay.ticks) {
+        EXPECT_FALSE(falls) << i;
+      }
+    }
+    EXPECT_EQ(falls, stay.falls);
+  }
 }
 
 // Elsewhere than on standby a hoist may be pushed, as in the steps of the calibration, and a drive that is silent tells nothing of its wheel.

@@ -177,13 +177,21 @@ TEST(HangingSituations, H16TheAlarmEndsAfterFiveUprightSecondsOnAStandingHoist) 
     const char* name;
     double forward_deg, right_deg;
     bool moving, silent, ends;
+    double neutral_m = 0;
   };
-  for (const Rest& one : {Rest{"upright", 0, 0, false, false, true}, Rest{"nearly upright", 4.8, 0, false, false, true},
-                          Rest{"not quite upright", 3.7, 3.7, false, false, false}, Rest{"upright, moving", 0, 0, true, false, false},
-                          Rest{"unheard", 0, 0, false, true, false}}) {
+  for (const Rest& one :
+       {Rest{"upright", 0, 0, false, false, true}, Rest{"nearly upright", 4.8, 0, false, false, true},
+        Rest{"not quite upright", 3.7, 3.7, false, false, false}, Rest{"upright, moving", 0, 0, true, false, false},
+        Rest{"unheard", 0, 0, false, true, false},
+        // 0.08 m of 0.8 m are 5.73 degrees.
+        Rest{"stooped, at the neutral that was set", 7.5, 0, false, false, true, 0.08},
+        Rest{"stooped, aside", 5.7, 1.9, false, false, true, 0.08}, Rest{"stooped, and leaning", 7.9, 0, false, false, false, 0.08},
+        Rest{"stooped, upright for once", 1, 0, false, false, true, 0.08}}) {
     SCOPED_TRACE(one.name);
     MonitorBench bench;
     bench.params.hang_tilt_rad = 10 * kDeg;
+    bench.params.strut_length_m = 0.8;
+    bench.params.neutral_lean_m = one.neutral_m;
     Harness harness(bench.sensed);
     PatientHanging monitor;
     for (int tick = 1; tick <= 600; ++tick) {

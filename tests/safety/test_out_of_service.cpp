@@ -169,6 +169,26 @@ TEST(EmergencyStop, H22TheButtonDoesNotForgetHowOftenAFaultHasStopped) {
   EXPECT_TRUE(hoist.reach(Mode::standby));
 }
 
+// A hand is slower than what an open chain does to the nodes.
+TEST(EmergencyStop, H22AFaultThatAHandAnswersWithTheButtonCounts) {
+  for (const int hand_ticks : {10, 60}) {
+    SCOPED_TRACE(hand_ticks);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    for (int i = 0; i < 3; ++i) {
+      unplug(hoist);
+      ASSERT_TRUE(hoist.reach(Mode::protective_stop, 20));
+      hoist.step(hand_ticks - 1);
+      plug(hoist);
+      press_and_release(hoist);
+      hoist.step(150);
+      ASSERT_EQ(acknowledge_as(hoist, kTherapist), 0U);
+      hoist.step(150);
+    }
+    EXPECT_EQ(hoist.state.mode, hand_ticks == 60 ? Mode::fault : Mode::standby);
+  }
+}
+
 TEST(EmergencyStop, ARelayThatOpensWithoutAWordIsOneToo) {
   ScriptedHoist hoist = walking();
   hoist.drive_left.supply_v = hoist.drive_right.supply_v = 8;  // motors that still turn feed a little back
@@ -433,6 +453,53 @@ TEST(Caps, BindInEveryMovingMode) {
       EXPECT_LE(fastest_m_s, cap * p.speed_m_s_max + 1e-3) << cap;
       EXPECT_GE(fastest_m_s, std::min(cap * p.speed_m_s_max, 0.6) - 0.02) << cap << ": and no lower";
     }
+}
+
+// What a cap does not let the hoist drive is not built up either.
+TEST(Caps, H27HoldNothingBackThatWouldComeWithoutALean) {
+  for (const bool ends : {false, true}) {
+    SCOPED_TRACE(ends ? "the cap ends under a slight lean" : "the patient stands upright");
+    contract::Params p;
+    p.speed_cap_norm = 0.2;
+    const double cap_m_s = 0.2 * p.speed_m_s_max;
+    ScriptedHoist hoist(p);
+    ASSERT_TRUE(hoist.start(Mode::user));
+    hoist.lean_gently(8, 500);
+    ASSERT_NEAR(hoist.command_m_s(), cap_m_s, 1e-3);
+    hoist.lean_gently(ends ? 0.9 : 0.0, 100);
+    if (!ends) {
+      hoist.step(100);
+      EXPECT_LT(hoist.command_m_s(), 0.7 * cap_m_s) << "fades in 2 s";
+      continue;
+    }
+    hoist.send(CommandKind::stage_parameter, 7, contract::kParams[static_cast<std::size_t>(contract::ParamName::speed_cap_norm)].id, 0,
+               1.0);
+    ASSERT_EQ(hoist.ask(CommandKind::commit_parameters, 7, 1, kTherapist), 0U);
+    for (int i = 0; i < 300; ++i) {
+      hoist.step();
+      // Of 0.9 degrees the law makes 0.156 m/s in the end.
+      ASSERT_LT(hoist.command_m_s(), 0.18) << i;
+    }
+  }
+}
+
+// And those of a slope, whose end no person chooses.
+TEST(Caps, H9TheEndOfASlopeReleasesNoSpeed) {
+  ScriptedHoist hoist;
+  ASSERT_TRUE(hoist.start(Mode::user));
+  hoist.lean_gently(8, 500);
+  const auto floor = [&hoist](double alpha_deg) { hoist.tilt_base.alpha_deg = alpha_deg; };
+  floor(6);
+  hoist.lean_gently(14, 300);
+  ASSERT_TRUE(hoist.has_fault(Fault::base_tilt_high));
+  ASSERT_NEAR(hoist.command_m_s(), hoist.state.params.base_tilt_speed_m_s_max, 1e-3);
+  hoist.lean_gently(6.9, 100);
+  floor(0);
+  hoist.lean_gently(0.9, 50);
+  for (int i = 0; i < 300; ++i) {
+    hoist.step();
+    ASSERT_LT(hoist.command_m_s(), 0.25) << i;
+  }
 }
 
 // An exercise is checked against the cap when it begins; a cap that is lowered later binds it as well.

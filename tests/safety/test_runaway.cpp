@@ -134,6 +134,31 @@ TEST(Runaway, H1OnlyAnEngineerGivesTheSupplyBack) {
   EXPECT_EQ(hoist.state.latched, 0U);
 }
 
+// STOP, a wheel runs on, and the button and the main switch are what a therapist reaches for next.
+TEST(Runaway, H1H22WhoSwitchesOffAtOnceDoesNotGiveTheSupplyBack) {
+  StopHistory stored;
+  {
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::user));
+    hoist.lean_gently(7, 300);
+    ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+    run_away(hoist.drive_left, 0.4, 3.0);
+    for (int i = 0; i < 60; ++i) {
+      hoist.step();
+      if (hoist.out.stops_changed) stored = stop_history(hoist.state);
+    }
+    ASSERT_TRUE(hoist.state.relay.is_cut());
+    hoist.io.switches = 1;
+    hoist.step(20);
+    ASSERT_EQ(hoist.state.mode, Mode::emergency_stop);
+  }
+  ScriptedHoist hoist;
+  restore_stops(hoist.state, stored);
+  hoist.step(300);
+  EXPECT_EQ(hoist.state.mode, Mode::fault);
+  EXPECT_TRUE(hoist.state.relay.is_cut());
+}
+
 TEST(Runaway, H1TheMotorsGetNoSupplyBeforeTheirDrivesAreHeard) {
   ScriptedHoist hoist;
   hoist.drive_left.silent = true;

@@ -1,5 +1,7 @@
 // USER: the patient leads. Algorithm 1 for speed and Algorithm 2 for turning, pages 2 and 3, on the lean and turn of the harness.
 #pragma once
+#include <cmath>
+
 #include "control/core/law/differential_drive.hpp"
 #include "control/core/law/pfp.hpp"
 #include "control/core/law/pfp_turn.hpp"
@@ -33,7 +35,10 @@ struct UserMode {
     lean.k_2r = p.reversal_gain_norm;
     lean.k_p = p.lean_gain_direct_units;
     lean.k_pf = p.lean_gain_filtered_units;
-    lean.v_f_max_units = p.lean_filtered_units_max;
+    // Speed that a cap does not let it drive is not built up either: the end of the cap would release it without a lean, and standing upright
+    // would not slow the hoist until it had faded. Algorithm 1 bounds it outside of the dead-band only.
+    lean.v_f_max_units = std::fmin(p.lean_filtered_units_max, cap_m_s(state) / p.speed_per_unit_m_s);
+    state.lean.v_f_units = std::fmax(-lean.v_f_max_units, std::fmin(state.lean.v_f_units, lean.v_f_max_units));
     law::PfpTurnConfig<double> turn;
     turn.deadband_norm = p.turn_dead_band_norm;
     turn.tau_n_s = p.turn_tau_normal_s;
@@ -47,6 +52,15 @@ struct UserMode {
     const auto speed =
         law::platform_speed<double>(state.lean.v_units, state.turn.omega_units, {p.speed_per_unit_m_s, p.yaw_rate_per_unit_rad_s});
     return {speed.v_m_s, speed.omega_rad_s, Braking::none, false};
+  }
+
+ private:
+  /// This patient's cap and, on a slope, the limit there; the limiter has both, too.
+  [[nodiscard]] static double cap_m_s(const CoreState& state) noexcept {
+    const contract::Params& p = state.params;
+    const double patient_m_s = p.speed_m_s_max * p.speed_cap_norm;
+    const bool slopes = (state.latched & contract::fault_bit(contract::Fault::base_tilt_high)) != 0;
+    return slopes ? std::fmin(patient_m_s, p.base_tilt_speed_m_s_max) : patient_m_s;
   }
 };
 

@@ -9,7 +9,8 @@
 // a quick lean in the direction in which that throws the body is left to the resting rule where it brakes, and a resting lean that began
 // then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
 // would not even be braked for: there the quick lean must go kThrownBack_rad farther. Less than kOwnChange_m_s since the change began throws no
-// body; the end of each creeping motion is that.
+// body; the end of each creeping motion is that. In a protective stop only the resting rule is left, kThrown_s longer: the servo holds already,
+// but the alarm says what has happened, and its release waits until the patient stands.
 //
 // On standby straps are fastened and struts moved by hand, so a lean alone is no fall. But a body in the stops pushes the hoist with more than its
 // brakes hold: 79 kg rolled it to 0.5 m/s within 6 s, 96 kg to 1.3 (simulated; brakes 178 N). A resting lean on wheels that turn faster than
@@ -45,16 +46,16 @@ class FallDetected {
     if (resting_s_ == 0) thrown_out_ = false;
     note_own_acceleration(view);
     if (view.mode == contract::Mode::protective_stop) {
-      // Nothing new can trip here, and what tripped lasts until the patient stands again.
-      return view.has(kFault) && quickly_beyond(tilt_rad);
+      // The body that the ramp throws comes back; one that does not has fallen. What tripped lasts until the patient stands again.
+      return (view.has(kFault) && quickly_beyond(tilt_rad)) || rests_for(view, hold<kFault, "thrown_time">(kThrown_s));
     }
-    if (!view.moving) return rolls_unheld(view) && resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) - view.dt_s / 2;
+    if (!view.moving) return rolls_unheld(view) && rests_for(view, 0);
     const bool thrown_there = thrown(alpha_rad, beta_rad);
     // Thrown along the way it goes, or went until it stood: it brakes.
     const bool brakes = command_m_s_ == 0 || forward_ == (command_m_s_ > 0);
     if (thrown_there && brakes && resting_s_ > 0) thrown_out_ = true;
     const double longer_s = thrown_out_ ? hold<kFault, "thrown_time">(kThrown_s) : 0;
-    if (resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2) return true;
+    if (rests_for(view, longer_s)) return true;
     if (thrown_there && brakes) return false;
     if (!quickly_beyond(thrown_there ? tilt_rad + threshold<kFault, "thrown_back">(kThrownBack_rad) : tilt_rad)) return false;
     const double alpha_rate =
@@ -79,6 +80,10 @@ class FallDetected {
   static constexpr double kUnheld_m_s = 0.1;
   // 97 kg stopped from 0.5 m/s swing to 14 degrees and stay beyond 13 for about 0.4 s (simulated).
   static constexpr double kThrown_s = 0.5;
+
+  [[nodiscard]] bool rests_for(const MonitorView& view, double longer_s) const noexcept {
+    return resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2;
+  }
 
   [[nodiscard]] static bool rolls_unheld(const MonitorView& view) noexcept {
     const Odometry& odometry = view.sensed.odometry;

@@ -46,8 +46,12 @@ class PatientHanging {
     drawn_s_ = drawn ? drawn_s_ + view.dt_s : 0;
     loaded_s_ = drawn && loaded ? loaded_s_ + view.dt_s : 0;
 
-    // The alarm stays until the patient has been upright on a standing hoist for a while: long enough to be read.
-    upright_s_ = view.moving || !known || beyond(tilt_rad * kUprightShare) ? 0 : upright_s_ + view.dt_s;
+    // The alarm stays until the patient has been upright on a standing hoist for a while: long enough to be read. Who stands stooped is upright
+    // at the neutral that was set.
+    const double off_neutral_rad = alpha_rad - p.neutral_lean_m / p.strut_length_m;
+    const double near_rad = threshold<kFault, "near_neutral">(kNearNeutral_rad);
+    const bool near_neutral = off_neutral_rad * off_neutral_rad + beta_rad * beta_rad <= near_rad * near_rad;
+    upright_s_ = view.moving || !known || (beyond(tilt_rad * kUprightShare) && !near_neutral) ? 0 : upright_s_ + view.dt_s;
     if (view.has(kFault) && upright_s_ < kShown_s) return true;
     const double half_s = view.dt_s / 2;
     const bool dragged =
@@ -57,6 +61,7 @@ class PatientHanging {
 
  private:
   static constexpr double kUprightShare = 0.5;
+  static constexpr double kNearNeutral_rad = 0.0349;  // 2 degrees: sway of who stands
   // 3 degrees. Springs of 300 N/m hold an empty bar of 3 kg (assumed) within 0.4 degrees at 0.5 m/s2, and the zeros are calibrated; feet
   // that drag with 13 N lean it farther.
   static constexpr double kLoaded_rad = 0.0524;

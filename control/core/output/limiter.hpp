@@ -19,8 +19,7 @@ class Limiter {
  public:
   /// One step towards the wish; while a stop is in force the wish is not looked at. A wish that is not a number counts as zero.
   /// `blind`: neither speed nor turn grows, not even by what the jerk limit has left of an acceleration (H4).
-  void step(const contract::Params& params, Braking braking, LimitedSpeed speed, double yaw_wish_rad_s, bool blind,
-            double dt_s) noexcept {
+  void step(const contract::Params& params, Braking braking, LimitedSpeed speed, double yaw_wish_rad_s, bool blind, double dt_s) noexcept {
     cause_ = contract::SpeedCause::none;
     if (braking != Braking::none) {
       brake(params, braking, dt_s);

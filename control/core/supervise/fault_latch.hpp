@@ -9,6 +9,9 @@ namespace hoist::core {
 /// A protective stop is judged this long after it began, before any acknowledgement can count: by then what explains its first fault is
 /// known (HOIST_EXPLAINS), and so is the emergency code of a drive.
 inline constexpr std::uint64_t kJudgeTicks = kStillTicks - 1;
+/// No hand answers an alarm within 0.2 s, and what an open chain does to the drives shows within it: their supply is missed after 10 ms, the
+/// input node after 50.
+inline constexpr std::uint64_t kHandTicks = 20;
 
 /// Updates the faults in force: this step's conditions and, of the earlier ones, those in `kept`. Emits an event for
 /// each fault that is raised or cleared; returns the raised ones.

@@ -45,16 +45,8 @@ void stop_protectively(CoreState& state, FaultBits causes) noexcept {
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.in_mode.braking = Braking::bumper;
 }
 
-/// In the first second of a protective stop a cause that is found after its consequence takes its place. At the end of
-/// it machine faults are counted; a stop that became an emergency stop was its consequence and is not.
-void judge_stop(CoreState& state) noexcept {
-  if (state.mode != Mode::protective_stop || state.in_mode.ticks > kJudgeTicks) return;
-  for (const contract::Explanation& row : contract::kExplanations) {
-    if (state.stop_cause != static_cast<std::uint8_t>(row.effect) + 1U || (state.latched & fault_bit(row.cause)) == 0) continue;
-    state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(row.cause) + 1U);
-    if (state.in_mode.causes != 0) state.in_mode.causes |= fault_bit(row.cause);
-  }
-  if (state.in_mode.ticks != kJudgeTicks) return;
+/// H22: machine faults that stopped the hoist too often put it out of service.
+void count_stop(CoreState& state) noexcept {
   const FaultBits own = state.in_mode.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
   for (FaultBits bits = own; bits != 0; bits &= bits - 1) {
     state.stops_changed = true;
@@ -63,9 +55,23 @@ void judge_stop(CoreState& state) noexcept {
   }
 }
 
+/// In the first second of a protective stop a cause that is found after its consequence takes its place. At the end of
+/// it machine faults are counted.
+void judge_stop(CoreState& state) noexcept {
+  if (state.mode != Mode::protective_stop || state.in_mode.ticks > kJudgeTicks) return;
+  for (const contract::Explanation& row : contract::kExplanations) {
+    if (state.stop_cause != static_cast<std::uint8_t>(row.effect) + 1U || (state.latched & fault_bit(row.cause)) == 0) continue;
+    state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(row.cause) + 1U);
+    if (state.in_mode.causes != 0) state.in_mode.causes |= fault_bit(row.cause);
+  }
+  if (state.in_mode.ticks == kJudgeTicks) count_stop(state);
+}
+
 /// The power is gone: the controller's motion state is cleared, and driving ends.
 void stop_without_power(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
+  // What an opened chain looks like to the drives comes with it. A stop that is older had its own cause, and then a hand came.
+  if (state.mode == Mode::protective_stop && state.in_mode.ticks >= kHandTicks && state.in_mode.ticks < kJudgeTicks) count_stop(state);
   change_mode(state, Mode::emergency_stop);
   state.stop_cause = static_cast<std::uint8_t>(Fault::emergency_stop) + 1;
   state.acknowledgement.drop();

@@ -74,6 +74,8 @@ constexpr std::array kRules{
              any(HoistFault::patient_hanging, HoistFault::fall_detected), 0.5},
     RuleInfo{Rule::rolls_away, "I1: a body in the stops pushes the hoist away on standby", 0.2 + kLook_s, any(HoistFault::fall_detected),
              1.0},
+    RuleInfo{Rule::lies_stopped, "I1: a body that stays in the stops of a stopped hoist is not told of", 0.8 + kLook_s,
+             any(HoistFault::fall_detected), 0},
     RuleInfo{Rule::empty, "I1: empty batteries are not found within 2 s", 0.5 + kLook_s, any(HoistFault::battery_empty), 0.5},
     RuleInfo{Rule::high, "I1: a supply at which the drives brake less is not found within 2 s", 0.5 + kLook_s, any(HoistFault::supply_high),
              0.5},
@@ -136,8 +138,8 @@ constexpr std::array kJudged{
     Judged{Kind::bumper, "touched"},
     Judged{Kind::obstacle, "touched"},
     Judged{Kind::slope, "steep, sloping"},
-    Judged{Kind::trip, "falling, lying, rolls away"},
-    Judged{Kind::collapse, "falling, lying, rolls away"},
+    Judged{Kind::trip, "falling, lying, lies stopped, rolls away"},
+    Judged{Kind::collapse, "falling, lying, lies stopped, rolls away"},
     Judged{Kind::hang, "leaning, dragged"},
     Judged{Kind::pelvis_turned, "beyond stops; I7"},
     Judged{Kind::core_bus_off, "bus gone; I8"},
@@ -480,6 +482,8 @@ bool Deadlines::holds(Rule rule, const Truth& truth, Mode mode) const {
     case Rule::rolls_away:
       return mode == Mode::standby && truth.lean_rad > 14.8 * kDegree_rad && lean_told_rightly() && seen_s_ - blind_s_ > 0.7 &&
              ears_.age(Node::drive_left) <= 1 && ears_.age(Node::drive_right) <= 1 && truth.fastest_m_s > 0.15;
+    case Rule::lies_stopped:
+      return mode == Mode::protective_stop && truth.lean_rad > 14.8 * kDegree_rad && sensors_heard() && lean_told_rightly();
     case Rule::empty:
       return battery_v_[0] < 21.8 && battery_told_rightly();
     case Rule::high:

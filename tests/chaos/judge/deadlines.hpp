@@ -45,6 +45,7 @@ enum class Rule : std::uint8_t {
   leaning,
   dragged,
   rolls_away,
+  lies_stopped,
   empty,
   high,
   weak,

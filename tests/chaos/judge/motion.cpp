@@ -151,6 +151,8 @@ double Motion::asked_for_m_s(const View& view) {
   const double beyond_norm = std::fabs(lean_norm) - p.lean_dead_band_norm;
   const double full_m_s = p.lean_gain_filtered_units * p.speed_per_unit_m_s * size_norm;
   const double most_m_s = std::min(full_m_s, p.lean_filtered_units_max * p.speed_per_unit_m_s);
+  // What a cap has held back does not come when it ends.
+  if (promised_.may_m_s >= 0) asked_.filtered_m_s = std::min(asked_.filtered_m_s, promised_.may_m_s + kSlack_m_s);
   const auto grow = [&](double& filtered_m_s) {
     filtered_m_s = std::max(filtered_m_s, std::min(most_m_s, filtered_m_s + (full_m_s - filtered_m_s) * kStep_s / p.lean_tau_normal_s));
   };

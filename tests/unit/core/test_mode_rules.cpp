@@ -465,6 +465,9 @@ TEST(UserMode, AsksForWhatBothAlgorithmsSay) {
     p.lean_gain_direct_units = dice.any(0, 10);
     p.lean_gain_filtered_units = dice.any(0, 100);
     p.lean_filtered_units_max = dice.any(1, 100);
+    before.params.speed_cap_norm = dice.any(0.2, 1);
+    const bool slopes = dice.chance(0.3);
+    if (slopes) before.latched |= contract::fault_bit(Fault::base_tilt_high);
     p.speed_per_unit_m_s = dice.any(0.002, 0.05);
     p.turn_dead_band_norm = dice.any(0, 0.5);
     p.turn_tau_normal_s = dice.any(0.1, 20);
@@ -481,18 +484,23 @@ TEST(UserMode, AsksForWhatBothAlgorithmsSay) {
     const double u = before.intent.lean_norm(), u_turn = before.intent.turn_norm(), dt_s = 0.01;
 
     Wish wanted;
+    // The floor, this patient's cap and the law's own bound: the least of them.
+    double most = before.params.speed_m_s_max * before.params.speed_cap_norm;
+    if (slopes) most = std::min(most, before.params.base_tilt_speed_m_s_max);
+    most = std::min(most / p.speed_per_unit_m_s, p.lean_filtered_units_max);
     double v = before.lean.v_units, v_f = before.lean.v_f_units, w = before.turn.omega_units, w_f = before.turn.omega_f_units;
     if (before.in_mode.leaving) {
       v = v_f = w = w_f = 0;
       wanted = {0, 0, Braking::soft, rests(before)};
     } else if (before.in_mode.powered) {
+      v_f = std::clamp(v_f, -most, most);
       if (std::fabs(u) < p.lean_dead_band_norm) {
         v = v_f = v_f * std::exp(-dt_s / p.lean_tau_release_s);
       } else {
         const double forced = p.lean_gain_filtered_units * u, keep = std::exp(-dt_s / p.lean_tau_normal_s);
         const double brake = std::exp(-(std::fabs(u) - p.lean_dead_band_norm) / p.braking_softness_norm);
         v_f = u * v < 0 ? brake * v_f + p.reversal_gain_norm * forced : keep * v_f + (1 - keep) * forced;
-        v_f = std::clamp(v_f, -p.lean_filtered_units_max, p.lean_filtered_units_max);
+        v_f = std::clamp(v_f, -most, most);
         v = p.lean_gain_direct_units * u + v_f;
       }
       if (std::fabs(u_turn) < p.turn_dead_band_norm) {

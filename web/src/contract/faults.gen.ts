@@ -225,7 +225,7 @@ export const faults: readonly FaultInfo[] = [
   {
     bit: 25, name: 'base_tilted', priority: 'high', reaction: 'protective_stop',
     text: { en: 'The hoist is tilted too far', de: 'Das Gerät steht zu schräg' },
-    action: { en: 'Hold the patient, bring the hoist onto level floor, then release the stop.', de: 'Patienten sichern, das Gerät auf ebenen Boden bringen, dann Halt freigeben.' },
+    action: { en: 'Hold the patient. Press the emergency stop, release the brakes by hand, push the hoist onto level floor.', de: 'Patienten sichern. Not-Halt drücken, Bremsen von Hand lösen, das Gerät auf ebenen Boden schieben.' },
   },
   {
     bit: 26, name: 'base_tilt_high', priority: 'medium', reaction: 'warn',
