@@ -19,10 +19,13 @@ new_results() {
 # record_step RESULTS passed|failed|skipped NAME [REASON]
 record_step() { printf '%s\t%s\t%s\n' "$2" "$3" "${4:-}" >>"$1/steps.tsv"; }
 
+# ended_badly RESULTS NAME REPORT: for a suite whose program failed. Unless its JSON report names a failed case, the suite itself counts as failed.
+ended_badly() { grep -qsE '"status": ?"failed"' "$3" || record_step "$1" failed "$2" "ended badly, and its report names no failed case"; }
+
 # run_ctest BUILD_FOLDER RESULTS FILTER [COMMAND...]: COMMAND starts ctest. A failing program's whole output is shown; the tally counts it.
 # With HOIST_PROOFS the proofs, too (target `proofs` of tests/CMakeLists.txt).
 run_ctest() {
-  local folder=$1 results=$2 filter=$3 size jobs proofs=(-LE proof)
+  local folder=$1 results=$2 filter=$3 size jobs status=0 proofs=(-LE proof)
   shift 3
   [ -z "${HOIST_PROOFS:-}" ] || proofs=()
   say "running the C++ tests of $folder/"
@@ -35,7 +38,13 @@ run_ctest() {
     UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1} \
     GTEST_BRIEF=${GTEST_BRIEF:-1} GTEST_OUTPUT="xml:$results/gtest/" \
     "$@" ctest --test-dir "$folder" -j "$jobs" --timeout "$ctest_timeout_s" --output-on-failure \
-    --test-output-size-failed "$size" -R "$filter" "${proofs[@]}" --output-junit "$results/ctest.xml" </dev/null || true
+    --test-output-size-failed "$size" -R "$filter" "${proofs[@]}" --output-junit "$results/ctest.xml" </dev/null || status=$?
+  # The tally takes from the report which program crashed, hung or could not start. ctest's own status is 0, or 8 when tests failed.
+  if [ "$status" -ne 0 ] && [ "$status" -ne 8 ]; then
+    record_step "$results" failed "ctest of $folder/" "ended with status $status"
+  elif ! grep -qsxE '</testsuite>|[[:space:]]*tests="0"' "$results/ctest.xml"; then
+    record_step "$results" failed "ctest of $folder/" "its report is missing or incomplete"
+  fi
   : >"$results/ctest.ended"
 }
 
@@ -78,9 +87,8 @@ run_web_tests() {
     record_step "$results" skipped web "npm packages are not installed (leave out --no-setup)"
   else
     say "running the console's unit tests (web/)"
-    if ! (cd web && npm test --silent -- --reporter=default --reporter=json --outputFile.json="$results/vitest.json") </dev/null; then
-      [ -s "$results/vitest.json" ] || record_step "$results" failed web "npm test ended without a report"
-    fi
+    (cd web && npm test --silent -- --reporter=default --reporter=json --outputFile.json="$results/vitest.json") </dev/null ||
+      ended_badly "$results" web "$results/vitest.json"
   fi
 }
 
@@ -106,9 +114,7 @@ run_browser_tests() {
     fi
   done
   say "running the browser tests (tests/web)"
-  if ! node tests/web/run.mjs --json "$results/e2e.json" </dev/null; then
-    [ -s "$results/e2e.json" ] || record_step "$results" failed e2e "tests/web/run.mjs ended without a report"
-  fi
+  node tests/web/run.mjs --json "$results/e2e.json" </dev/null || ended_badly "$results" e2e "$results/e2e.json"
 }
 
 # begin_beside LOG COMMAND...: runs it beside what follows; end_beside waits for it, shows its output and gives its status.
@@ -129,8 +135,9 @@ end_beside() {
   return "$status"
 }
 
-# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority.
-give_way() { renice -n 15 "$BASHPID" >/dev/null; }
+# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority. A user who runs at a lower priority
+# already may not raise it to 15: that is fine as well.
+give_way() { renice -n 15 "$BASHPID" >/dev/null 2>&1 || true; }
 
 # The longest two suites that walk in real time, or all of ctest, are over.
 real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; }; }
@@ -138,11 +145,12 @@ real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] 
 # run_console_suites RESULTS FILTER: the browser tests and the console's unit tests beside each other, but not beside the suites that walk in real
 # time: both drive browsers, each a session of its own, and the kernel shares the processors among sessions before it looks at priorities.
 run_console_suites() {
-  local results=$1 filter=$2
+  local results=$1 filter=$2 unit
   until real_time_over "$results"; do sleep 1; done
   (give_way && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
+  unit=$!
   run_browser_tests "$results" "$filter"
-  wait
+  wait "$unit" || record_step "$results" failed web "the console's unit tests ended badly"
   cat "$results/unit.log"
 }
 # run_suites RESULTS FILTER: every suite of the normal build.

@@ -174,5 +174,79 @@ TEST_F(Tally, ConsoleBrowserAndStaticChecksCountToo) {
   EXPECT_EQ(outcome.exit_code, 1);
 }
 
+// vitest tells the cases behind a failed beforeAll as skipped.
+TEST_F(Tally, AConsoleSuiteThatFailsOutsideItsCasesIsAFailure) {
+  write("vitest.json", R"({"testResults":[
+    {"name":"/x/web/test/a.test.ts","status":"passed","message":"","assertionResults":[{"status":"passed","fullName":"a"}]},
+    {"name":"/x/web/test/b.test.ts","status":"failed","message":"","assertionResults":[{"status":"skipped","fullName":"b"}]}]})");
+  const auto outcome = count();
+  EXPECT_EQ(outcome.last_line(), "1 passed, 1 failed, 1 skipped");
+  EXPECT_NE(outcome.output.find("web: test/b.test.ts: failed outside its cases"), std::string::npos);
+  EXPECT_EQ(outcome.exit_code, 1);
+}
+
+// The functions that run the suites (deploy/lib/tests.sh), with functions of the shell in place of ctest, npm and the browser tests.
+class Suites : public Tally {
+ protected:
+  void SetUp() override {
+    Tally::SetUp();
+    std::filesystem::create_directories(folder_ / "deploy/lib");
+    std::filesystem::create_directories(folder_ / "web/node_modules");
+    write("web/package.json", "{}");
+    for (const char* name : {"common.sh", "setup.sh", "tests.sh", "tally.mjs"})
+      std::filesystem::copy(std::filesystem::path(HOIST_SOURCE_DIR) / "deploy/lib" / name, folder_ / "deploy/lib" / name);
+  }
+  // With `set -e`, as deploy/dev has it.
+  Outcome run(const std::string& script) {
+    write("steps.tsv", "passed\tformat\t\n");
+    write("script.sh",
+          "set -euo pipefail\nsource deploy/lib/common.sh\nsource deploy/lib/tests.sh\nresults=$PWD\n" + script + "\ntally $PWD\n");
+    return {test::run_shell("cd '" + folder_.path().string() + "' && bash script.sh 2>&1")};
+  }
+};
+
+TEST_F(Suites, CtestWithoutAWholeReportIsAFailure) {
+  const std::string whole = R"(<testsuite><testcase name="model" status="run"></testcase>)"
+                            "\n</testsuite>\n";
+  struct {
+    const char* report;
+    int status;
+    const char* tally;
+  } const cases[] = {
+      {whole.c_str(), 0, "2 passed, 0 failed, 0 skipped"},
+      {"<testsuite name=\"(empty)\"\n\ttests=\"0\"\n\ttimestamp=\"now\"/>\n", 0, "1 passed, 0 failed, 0 skipped"},
+      {whole.c_str(), 137, "2 passed, 1 failed, 0 skipped"},
+      {nullptr, 8, "1 passed, 1 failed, 0 skipped"},
+      {"", 8, "1 passed, 1 failed, 0 skipped"},
+      {R"(<testsuite><testcase name="model" status="run"></testcase><testcase name="la)", 8, "2 passed, 1 failed, 0 skipped"},
+  };
+  for (const auto& one : cases) {
+    std::filesystem::remove(folder_ / "ctest.xml");
+    if (one.report != nullptr) write("ctest.xml", one.report);
+    const Outcome outcome = run("ends() { return " + std::to_string(one.status) + "; }\nrun_ctest build $results . ends");
+    EXPECT_EQ(outcome.last_line(), one.tally) << outcome.output;
+  }
+}
+
+TEST_F(Suites, AProgramThatFailsThoughItsReportNamesNoFailureIsAFailure) {
+  const std::string ended = "have_node() { true; }\nnpm() { return 1; }\nrun_web_tests $results .";
+  write("vitest.json", R"({"testResults":[{"name":"/x/web/test/a.test.ts","status":"passed","assertionResults":[
+    {"status":"passed","fullName":"says \"status\":\"failed\""}]}]})");
+  EXPECT_EQ(run(ended).last_line(), "2 passed, 1 failed, 0 skipped") << run(ended).output;
+  // A failed case that is named counts once.
+  write("vitest.json",
+        R"({"testResults":[{"name":"/x/web/test/a.test.ts","status":"failed","assertionResults":[{"status":"failed","fullName":"a"}]}]})");
+  EXPECT_EQ(run(ended).last_line(), "1 passed, 1 failed, 0 skipped");
+  std::filesystem::remove(folder_ / "vitest.json");
+  EXPECT_EQ(run(ended).last_line(), "1 passed, 1 failed, 0 skipped");
+}
+
+TEST_F(Suites, UnitTestsOfTheConsoleRunAtAnyPriorityAndTheirEndCounts) {
+  const std::string beside = "real_time_over() { true; }\nrun_browser_tests() { true; }\nrenice() { return 1; }\n";
+  EXPECT_EQ(run(beside + "run_web_tests() { record_step $1 passed web; }\nrun_console_suites $results .").last_line(),
+            "2 passed, 0 failed, 0 skipped");
+  EXPECT_EQ(run(beside + "run_web_tests() { return 1; }\nrun_console_suites $results .").last_line(), "1 passed, 1 failed, 0 skipped");
+}
+
 }  // namespace
 }  // namespace hoist::tidy
