@@ -41,6 +41,12 @@ std::optional<std::string> first_bytes(const std::filesystem::path& file) {
   return bytes;
 }
 
+std::int64_t id_in(std::string_view header) {
+  std::int64_t id = 0;
+  for (const char byte : header.substr(kApplicationIdAt, 4)) id = id << 8 | static_cast<unsigned char>(byte);
+  return id;
+}
+
 // A database without an application id: an older one of ours, an empty one, or one of another program.
 Identified by_tables(const std::filesystem::path& file) {
   sqlite3* opened = nullptr;
@@ -60,6 +66,14 @@ Identified by_tables(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::optional<std::int64_t> application_id(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
+  const std::optional<std::string> bytes = first_bytes(file);
+  if (!bytes || bytes->size() < kHeader_bytes || !bytes->starts_with(kSqliteMagic)) return std::nullopt;
+  return id_in(*bytes);
+}
+
 Identified identify(const std::filesystem::path& file) {
   if (size_of(file) == 0) {
     std::error_code ignored;
@@ -74,8 +88,7 @@ Identified identify(const std::filesystem::path& file) {
   const std::size_t magic = std::min(bytes.size(), kSqliteMagic.size());
   if (bytes.substr(0, magic) != kSqliteMagic.substr(0, magic)) return {FileIdentity::foreign, "is no database"};
   if (bytes.size() < kHeader_bytes) return {FileIdentity::damaged, "the file is cut in its first bytes"};
-  std::int64_t id = 0;
-  for (std::size_t i = 0; i < 4; ++i) id = id << 8 | static_cast<unsigned char>(bytes[kApplicationIdAt + i]);
+  const std::int64_t id = id_in(bytes);
   if (id == kApplicationId) return {};
   return id == 0 ? by_tables(file) : Identified{FileIdentity::foreign, "is a database of another program"};
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace hoist::db {
@@ -19,6 +20,8 @@ struct Identified {
   FileIdentity identity = FileIdentity::ours;
   std::string why;  // of damaged and foreign
 };
+/// What the header of a database says; nothing when the file is none, or cannot be read.
+[[nodiscard]] std::optional<std::int64_t> application_id(const std::filesystem::path& file);
 [[nodiscard]] Identified identify(const std::filesystem::path& file);
 
 }  // namespace hoist::db

@@ -11,7 +11,7 @@
 #include "db/export/bundle.hpp"
 #include "db/export/session_export.hpp"
 #include "deploy/tools/hoist/command.hpp"
-#include "deploy/tools/hoist/open_file.hpp"
+#include "deploy/tools/hoist/out_file.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 
 namespace hoist::tool {
@@ -24,7 +24,8 @@ void print_export_help(std::FILE* out) {
       "]\n                    [--columns NAME,NAME] [--no-constant] [--no-comments] [--out FILE]\n\n"
       "       hoist export DB [SESSION…] --bundle files|bids|sqlite|reports [--subject CODE] [--from DAY] [--to DAY] [--exercise SHAPE]\n"
       "                    [--tag TAG] [--visit ID] [--no-simulated] [--out FILE]\n\n"
-      "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored.\n\n";
+      "Writes a session to FILE, or to standard output. Numbers are printed exactly as they were stored. An earlier FILE is replaced when "
+      "the\nnew one is whole; FILE is readable for its user only.\n\n";
   for (const db::ExportFormatInfo& format : db::kExportFormats) {
     text += "  " + std::string(format.name);
     text.append(10 - std::min<std::size_t>(9, format.name.size()), ' ');
@@ -102,23 +103,22 @@ Refusal take_option(Wish& wish, std::string_view option, const std::function<std
 
 // Writes every piece to the file, or to standard output.
 int write_all(const std::string& out_file, const std::function<db::Result<bool>(std::string&)>& next) {
-  File file;
+  OutFile file;
   std::FILE* out = stdout;
   if (!out_file.empty()) {
-    file.reset(std::fopen(out_file.c_str(), "wb"));
-    if (!file) return refuse("export", {db::ErrorKind::io, "cannot write " + out_file, {}});
-    out = file.get();
+    if (const db::Status opened = file.open(out_file); !opened) return refuse("export", opened.error());
+    out = file.stream();
   }
   std::string piece;
   for (;;) {
     const db::Result<bool> more = next(piece);
     if (!more) return refuse("export", more.error());
     if (!*more) break;
-    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size())
-      return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
+    if (std::fwrite(piece.data(), 1, piece.size(), out) != piece.size()) break;
   }
-  if (std::fflush(out) != 0) return refuse("export", {db::ErrorKind::io, "the file could not be written", {}});
-  return kDone;
+  if (out_file.empty()) return kDone;
+  const db::Status written = file.finish();
+  return written ? kDone : refuse("export", written.error());
 }
 
 int export_bundle(db::Database& database, const Wish& wish, std::vector<db::SessionId> sessions) {

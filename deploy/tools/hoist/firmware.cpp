@@ -11,6 +11,7 @@
 #include "deploy/tools/hoist/command.hpp"
 #include "deploy/tools/hoist/firmware/bus_work.hpp"
 #include "deploy/tools/hoist/firmware/image_file.hpp"
+#include "deploy/tools/hoist/out_file.hpp"
 
 namespace hoist::tool {
 
@@ -79,7 +80,8 @@ int pack(const Words& words) {
   std::vector<std::uint8_t> image;
   if (const Refusal why = read_file(words.places[0], image); !why.empty()) return refuse(why);
   if (const Refusal why = pack_image(image, words.simulated); !why.empty()) return refuse(words.places[0] + ": " + why);
-  if (const Refusal why = write_file(words.places[1], image); !why.empty()) return refuse(why);
+  const std::string_view bytes(reinterpret_cast<const char*>(image.data()), image.size());
+  if (const db::Status written = write_file(words.places[1], bytes); !written) return refuse(written.error().message);
   const contract::ImageHeader header = contract::read_image_header(image);
   const contract::ImageChipInfo& chip = *contract::find_image_chip(header.chip);
   std::printf("%s: %s for %s, version %s, %zu of %u bytes\n", words.places[1].c_str(),

@@ -7,7 +7,7 @@
 
 #include "control/contract/program_version.hpp"
 #include "deploy/tools/hoist/command.hpp"
-#include "deploy/tools/hoist/open_file.hpp"
+#include "deploy/tools/hoist/out_file.hpp"
 #include "deploy/tools/hoist/parameter_change.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 #include "deploy/tools/hoist/rerun.hpp"
@@ -99,20 +99,19 @@ int run_replay(std::span<const std::string_view> arguments) {
   if (changes.empty()) return bad_usage("replay", "--set says what is to be another; hoist verify runs a session as it was");
   db::Result<db::Database> database = db::Database::attach(std::string(places[0]));
   if (!database) return refuse("replay", database.error());
-  File file;
+  OutFile file;
   if (!out_file.empty()) {
-    file.reset(std::fopen(out_file.c_str(), "wb"));
-    if (!file) return refuse("replay", {db::ErrorKind::io, "cannot write " + out_file, {}});
-    write_csv_head(file.get());
+    if (const db::Status opened = file.open(out_file); !opened) return refuse("replay", opened.error());
+    write_csv_head(file.stream());
   }
   Deviations deviations;
   const auto report = rerun(*database, *session, contract::program_version(), changes, [&](const RerunStep& step) {
     deviations.add(step);
-    if (file && !step.row.empty()) write_csv_row(file.get(), step);
+    if (!out_file.empty() && !step.row.empty()) write_csv_row(file.stream(), step);
   });
   if (!report) return refuse("replay", report.error());
-  if (file && (std::fflush(file.get()) != 0 || std::ferror(file.get()) != 0))
-    return refuse("replay", {db::ErrorKind::io, "the file could not be written", {}});
+  if (!out_file.empty())
+    if (const db::Status written = file.finish(); !written) return refuse("replay", written.error());
   deviations.print();
   for (const NotRun& hole : report->not_run)
     std::printf("not run again: ticks %llu to %llu: %s\n", static_cast<unsigned long long>(hole.from_tick),

@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "db/export/bundle.hpp"
 #include "db/report/batch.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/out_file.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 
 namespace hoist::tool {
@@ -86,13 +86,6 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
   return {};
 }
 
-db::Status save(const std::filesystem::path& file, const std::string& page) {
-  std::ofstream out(file, std::ios::binary);
-  out << page;
-  if (out.flush()) return {};
-  return db::Error{db::ErrorKind::io, "cannot write " + file.string(), {}};
-}
-
 // One line that counts, on a terminal.
 void show_progress(std::size_t done, std::size_t of) {
   if (::isatty(STDERR_FILENO) != 1) return;
@@ -105,7 +98,7 @@ int write_all(db::Database& database, const Request& request, const std::vector<
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     const auto page = batch.page(sessions[i]);
     const db::Status done =
-        page ? save(request.out / ("session-" + std::to_string(sessions[i]) + ".html"), *page) : db::Status(page.error());
+        page ? write_file(request.out / ("session-" + std::to_string(sessions[i]) + ".html"), *page) : db::Status(page.error());
     if (done.ok())
       ++written;
     else
@@ -113,7 +106,7 @@ int write_all(db::Database& database, const Request& request, const std::vector<
     show_progress(i + 1, sessions.size());
   }
   if (written > 1)
-    if (const db::Status done = save(request.out / "group.html", batch.group()); !done.ok()) return refuse("report", done.error());
+    if (const db::Status done = write_file(request.out / "group.html", batch.group()); !done.ok()) return refuse("report", done.error());
   std::printf("%zu of %zu reports written to %s\n", written, sessions.size(), request.out.c_str());
   if (written == sessions.size()) return kDone;
   return written == 0 ? kRefused : kPartly;

@@ -15,6 +15,7 @@
 #include "db/archive/archive.hpp"
 #include "db/store/database.hpp"
 #include "deploy/tools/hoist/command.hpp"
+#include "deploy/tools/hoist/out_file.hpp"
 #include "deploy/tools/hoist/recording_file.hpp"
 #include "deploy/tools/hoist/study/drawings.hpp"
 #include "deploy/tools/hoist/study/protocol.hpp"
@@ -85,12 +86,6 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-bool write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text;
-  return static_cast<bool>(out.flush());
-}
-
 db::Result<std::vector<db::StudyDrawing>> drawings(db::Database& database, const Protocol& protocol, const Results& results) {
   db::Result<std::string> tracks = study::tracks_drawing(database, protocol, results);
   if (!tracks) return tracks.error();
@@ -103,10 +98,7 @@ int write_drawings(const std::vector<db::StudyDrawing>& drawn, const std::string
   std::filesystem::create_directories(folder, ignored);
   for (const db::StudyDrawing& one : drawn) {
     const std::filesystem::path file = std::filesystem::path(folder) / (one.name + ".svg");
-    if (!write(file, one.svg)) {
-      std::fprintf(stderr, "hoist study: %s cannot be written\n", file.c_str());
-      return kRefused;
-    }
+    if (const db::Status written = write_file(file, one.svg); !written) return refuse("study", written.error());
     std::printf("Drawn: %s\n", file.c_str());
   }
   return kDone;
@@ -139,10 +131,8 @@ int tell(db::Database& database, const Request& request, const Protocol& protoco
     if (db::Status finished = db::finish_study(database, *made, json, *drawn); !finished) return refuse("study", finished.error());
   if (request.figures)
     if (const int code = write_drawings(*drawn, *request.figures); code != kDone) return code;
-  if (request.json && !write(*request.json, json)) {
-    std::fprintf(stderr, "hoist study: %s cannot be written\n", request.json->c_str());
-    return kRefused;
-  }
+  if (request.json)
+    if (const db::Status written = write_file(*request.json, json); !written) return refuse("study", written.error());
   return results->left_out.empty() ? kDone : kPartly;
 }
 

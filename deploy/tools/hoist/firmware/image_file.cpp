@@ -1,7 +1,6 @@
 #include "deploy/tools/hoist/firmware/image_file.hpp"
 
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "control/contract/can_dictionary.hpp"
@@ -18,21 +17,6 @@ Refusal read_file(const std::string& path, std::vector<std::uint8_t>& content) {
   if (content.size() > contract::kImageMax)
     return path + " is longer than any chip's flash (" + std::to_string(contract::kImageMax) + " bytes)";
   return {};
-}
-
-Refusal write_file(const std::string& path, std::span<const std::uint8_t> content) {
-  const std::string beside = path + ".part";
-  {
-    const File file(std::fopen(beside.c_str(), "wb"));
-    if (!file) return "cannot write " + path;
-    if (std::fwrite(content.data(), 1, content.size(), file.get()) != content.size() || std::fflush(file.get()) != 0) {
-      (void)std::remove(beside.c_str());
-      return "cannot write " + path;
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(beside, path, error);
-  return error ? "cannot write " + path + ": " + error.message() : Refusal{};
 }
 
 Refusal pack_image(std::vector<std::uint8_t>& image, bool simulated) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,6 @@ using Refusal = std::string;
 
 /// Reads at most contract::kImageMax bytes.
 [[nodiscard]] Refusal read_file(const std::string& path, std::vector<std::uint8_t>& content);
-/// Writes a temporary file first, so that a full disk leaves no partial file under that name.
-[[nodiscard]] Refusal write_file(const std::string& path, std::span<const std::uint8_t> content);
 
 /// Fills in length and CRC of a linked program, and pads it to whole words. Node kind, chip and version are the program's own; `simulated`
 /// makes it a program for the simulated node of its kind, which no chip accepts.

@@ -1,0 +1,100 @@
+// The commands of `hoist` that write files, as processes.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "tests/support/shell.hpp"
+#include "tests/unit/db/db_support.hpp"
+
+namespace hoist::db::test {
+namespace {
+
+namespace fs = std::filesystem;
+using hoist::test::run_shell;
+using hoist::test::ShellResult;
+
+constexpr int kRefused = 1, kBadUsage = 2;
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A folder with one recorded session in hoist.db, which no program has open.
+class Tool : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto database = Database::open(folder_ / "hoist.db");
+    ASSERT_TRUE(database.ok());
+    auto writer = SessionWriter::create(*database);
+    ASSERT_TRUE(writer.ok() && writer->begin(start_of_walk()).ok());
+    Walk walk(1);
+    std::vector<contract::TickRecord> records;
+    for (std::uint64_t tick = 0; tick < 300; ++tick) records.push_back(walk.record(tick));
+    ASSERT_TRUE(writer->append_ticks(records).ok() && writer->end(CloseReason::finished, kStartUtc_ns).ok());
+  }
+  // In the folder; `before` is for the shell.
+  ShellResult tool(const std::string& arguments, const std::string& before = "") const {
+    return run_shell("cd '" + folder_.path().string() + "' && " + before + std::string(HOIST_BINARY_DIR) + "/bin/hoist " + arguments +
+                     " 2>&1");
+  }
+  std::set<std::string> names() const {
+    std::set<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_.path())) found.insert(entry.path().filename());
+    return found;
+  }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Tool, NoOutputReplacesADatabaseOrAFileBesideIt) {
+  fs::create_hard_link(folder_ / "hoist.db", folder_ / "same.db");
+  fs::create_symlink("hoist.db", folder_ / "link.db");
+  write("hoist.db.key", "the key of the names");
+  const std::set<std::string> files = names();
+  const std::string before = bytes_of(folder_ / "hoist.db");
+  for (const char* name :
+       {"hoist.db", "same.db", "link.db", "./hoist.db", "hoist.db-wal", "hoist.db-shm", "hoist.db.seal", "hoist.db.key"}) {
+    for (const char* command :
+         {"export hoist.db 1 --out ", "export hoist.db --bundle files --out ", "replay hoist.db 1 --set fault_stops_max=2 --out "}) {
+      const ShellResult refused = tool(std::string(command) + name);
+      EXPECT_EQ(refused.exit_code, kRefused) << name;
+      EXPECT_NE(refused.output.find("is a database of Hoist, or belongs to one"), std::string::npos) << name << ": " << refused.output;
+    }
+    EXPECT_TRUE(bytes_of(folder_ / "hoist.db") == before) << name;
+  }
+  EXPECT_EQ(names(), files);
+  EXPECT_EQ(bytes_of(folder_ / "hoist.db.key"), "the key of the names");
+}
+
+TEST_F(Tool, AnEarlierFileIsReplacedByAWholeOneOnly) {
+  write("x.csv", "an earlier one");
+  fs::permissions(folder_ / "x.csv", fs::perms(0644));
+  const std::set<std::string> files = names();
+  // No file may grow beyond 128 blocks of 512 bytes, as on a full disk.
+  const ShellResult full = tool("export hoist.db 1 --out x.csv", "trap '' XFSZ && ulimit -f 128 && ");
+  EXPECT_EQ(full.exit_code, kRefused);
+  EXPECT_NE(full.output.find("cannot write"), std::string::npos) << full.output;
+  EXPECT_EQ(bytes_of(folder_ / "x.csv"), "an earlier one");
+  // Of a build that this one cannot run again.
+  EXPECT_EQ(tool("replay hoist.db 1 --set fault_stops_max=2 --out x.csv").exit_code, kRefused);
+  EXPECT_EQ(bytes_of(folder_ / "x.csv"), "an earlier one");
+  EXPECT_EQ(names(), files);
+  const std::string printed = tool("export hoist.db 1").output;
+  EXPECT_EQ(tool("export hoist.db 1 --out x.csv").exit_code, 0);
+  EXPECT_EQ(bytes_of(folder_ / "x.csv"), printed);
+  EXPECT_EQ(fs::status(folder_ / "x.csv").permissions(), fs::perms(0600));
+  EXPECT_EQ(names(), files);
+  // A pipe stays a pipe.
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(tool("export hoist.db 1 --out pipe", "{ cat pipe & } && ").output, printed);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "pipe"));
+}
+
+}  // namespace
+}  // namespace hoist::db::test
