@@ -10,6 +10,7 @@
 #include <array>
 
 #include "db/accounts/schema_list.hpp"
+#include "db/store/owner.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -72,6 +73,7 @@ void make_private(const std::filesystem::path& file) {
   if (fd < 0) return;  // SQLite says what is wrong
   (void)::fchmod(fd, 0600);
   ::close(fd);
+  (void)give_to_owner(file);
 }
 
 }  // namespace

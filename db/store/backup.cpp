@@ -21,6 +21,7 @@
 
 #include "db/store/device_settings.hpp"
 #include "db/store/hoist_id.hpp"
+#include "db/store/owner.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/retention.hpp"
 #include "db/store/session_number.hpp"
@@ -509,6 +510,7 @@ Result<fs::path> finish_restore(const fs::path& prepared, const fs::path& file, 
     }
     fs::remove(file.string() + "-shm", error);
   }
+  if (Status given = give_to_owner(prepared, file); !given) return given.error();
   if (Status synced = sync_folder_of(file); !synced) return synced.error();
   change();
   fs::rename(prepared, file, error);

@@ -15,6 +15,7 @@
 #include "db/store/fold.hpp"
 #include "db/store/hoist_id.hpp"
 #include "db/store/identity.hpp"
+#include "db/store/owner.hpp"
 #include "db/store/patient_code.hpp"
 #include "db/store/restore_remains.hpp"
 #include "db/store/schema_list.hpp"
@@ -185,9 +186,13 @@ Result<Database> Database::connect(const std::filesystem::path& file, const Open
   return guarded([&]() -> Result<Database> {
     Database database;
     database.file_ = file;
+    std::error_code ignored;
+    const bool made = create && options.vfs == nullptr && !std::filesystem::exists(file, ignored);
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (create ? SQLITE_OPEN_CREATE : 0);
     const int code = sqlite3_open_v2(file.c_str(), &database.handle_, flags, options.vfs);
     if (code != SQLITE_OK) throw_sql(database.handle_, code, "opening " + file.string());
+    // Before SQLite makes the log beside it, which gets the same owner.
+    if (made) (void)give_to_owner(file);
     sqlite3_extended_result_codes(database.handle_, 1);
     sqlite3_busy_timeout(database.handle_, kBusyTimeout_ms);
     // A file handed to us must not be able to run anything: no trusted schema, no loadable code.
@@ -293,6 +298,7 @@ Result<Database> Database::open(const std::filesystem::path& file, const OpenOpt
           report.kept_aside = newest_aside(file);
           report.lost = lost_commits(handle, file, version == 0);
           connected->seal_ = std::make_shared<Seal>(file);
+          (void)give_to_owner(Seal::beside(file), file);
         }
         // An empty file in the place of one that was set aside is of the same hoist.
         ensure_hoist_id(handle, version == 0 && !report.kept_aside.empty() ? hoist_id_of(report.kept_aside) : std::string());

@@ -11,6 +11,8 @@
 #include <system_error>
 #include <thread>
 
+#include "db/store/owner.hpp"
+
 namespace hoist::db {
 namespace {
 
@@ -34,13 +36,14 @@ Result<std::shared_ptr<WriteLock>> WriteLock::take(const std::filesystem::path& 
   std::filesystem::path target = std::filesystem::weakly_canonical(file, error);
   if (error) target = file;
   const std::string name = target.string() + ".lock";
-  const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   const auto failed = [&name](int code) {
     const ErrorKind kind = code == EROFS ? ErrorKind::read_only : ErrorKind::io;
     return Error{kind, "the lock " + name + " cannot be taken: " + std::generic_category().message(code), {}};
   };
   if (descriptor < 0) return failed(errno);
   std::shared_ptr<WriteLock> lock(new WriteLock(descriptor));
+  (void)give_to_owner(name, file);
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kLockWait_ms);
   while (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EINTR) continue;

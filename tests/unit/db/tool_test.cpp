@@ -1,6 +1,7 @@
 // The commands of `hoist` that write files, as processes.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -94,6 +95,36 @@ TEST_F(Tool, AnEarlierFileIsReplacedByAWholeOneOnly) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(tool("export hoist.db 1 --out pipe", "{ cat pipe & } && ").output, printed);
   EXPECT_TRUE(fs::is_fifo(folder_ / "pipe"));
+}
+
+// A service that runs as another user must be able to open what root has put in its folder.
+TEST_F(Tool, WhatRootMakesBelongsToTheOwnerOfTheFileOrFolder) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give files away";
+  constexpr uid_t kService = 4321;
+  const auto service_owns_all = [&](const char* when) {
+    for (const std::string& name : names()) {
+      struct stat found {};
+      ASSERT_EQ(::stat((folder_ / name).c_str(), &found), 0);
+      EXPECT_EQ(found.st_uid, kService) << name << " " << when;
+      EXPECT_EQ(found.st_gid, kService) << name << " " << when;
+    }
+  };
+  TemporaryFolder stick;
+  ASSERT_EQ(tool("backup hoist.db " + stick.path().string()).exit_code, 0);
+  const std::string backup = fs::directory_iterator(stick.path())->path();
+  const auto give = [](const fs::path& path) { ASSERT_EQ(::chown(path.c_str(), kService, kService), 0); };
+  give(folder_.path());
+  for (const std::string& name : names()) give(folder_ / name);
+  fs::remove(folder_ / "hoist.db.lock");
+  EXPECT_EQ(tool("restore hoist.db " + backup).exit_code, 0);
+  service_owns_all("after a restore");
+  for (const std::string& name : names()) fs::remove(folder_ / name);
+  EXPECT_EQ(tool("restore hoist.db " + backup).exit_code, 0);
+  service_owns_all("after a restore into an empty folder");
+  ASSERT_TRUE(Database::open(folder_ / "pulled.db").ok());
+  EXPECT_EQ(tool("user add accounts.db erika Erika engineer", "echo four words not together | ").exit_code, 0);
+  EXPECT_TRUE(names().contains("pulled.db.seal") && names().contains("accounts.db"));
+  service_owns_all("after a new file");
 }
 
 }  // namespace
