@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,11 +21,7 @@ void print_main_help(std::FILE* out) {
   }
 }
 
-}  // namespace
-
-int main(int count, char** values) {
-  ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
-  const std::vector<std::string_view> arguments(values + (count > 0 ? 1 : 0), values + count);
+int run(std::span<const std::string_view> arguments) {
   if (arguments.empty()) {
     print_main_help(stderr);
     return hoist::tool::kBadUsage;
@@ -40,7 +37,7 @@ int main(int count, char** values) {
   for (const auto& command : hoist::tool::command_list()) {
     if (command.name != arguments.front()) continue;
     try {
-      return command.run(std::span(arguments).subspan(1));
+      return command.run(arguments.subspan(1));
     } catch (const std::exception& error) {
       std::fprintf(stderr, "hoist %s: %s\n", std::string(command.name).c_str(), error.what());
       return hoist::tool::kRefused;
@@ -49,4 +46,16 @@ int main(int count, char** values) {
   std::fprintf(stderr, "hoist: there is no command \"%s\"\n", std::string(arguments.front()).c_str());
   print_main_help(stderr);
   return hoist::tool::kBadUsage;
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  ::umask(077);  // what this program writes is about patients or decides how hard they may be pushed: for its own user only
+  const std::vector<std::string_view> arguments(values + (count > 0 ? 1 : 0), values + count);
+  const int code = run(arguments);
+  // Lost output is no success, whatever the command says: its reader would take a cut list for a whole one.
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fputs("hoist: the output could not be written whole\n", stderr);
+  return hoist::tool::kRefused;
 }

@@ -96,8 +96,7 @@ int run_sql_command(std::span<const std::string_view> arguments) {
   if (const db::Status enabled = db::enable_sql(*database); !enabled) return refuse("sql", enabled.error());
   if (arguments.size() == 1) return run_input(*database);
   const db::Status done = run(*database, arguments[1]);
-  if (!done) return refuse("sql", done.error());
-  return std::fflush(stdout) == 0 ? kDone : refuse("sql", {db::ErrorKind::io, "the rows could not be written", {}});
+  return done ? kDone : refuse("sql", done.error());
 }
 
 }  // namespace hoist::tool

@@ -127,5 +127,17 @@ TEST_F(Tool, WhatRootMakesBelongsToTheOwnerOfTheFileOrFolder) {
   service_owns_all("after a new file");
 }
 
+TEST_F(Tool, LostOutputIsNoSuccess) {
+  ASSERT_EQ(tool("user add accounts.db erika Erika engineer", "echo four words not together | ").exit_code, 0);
+  for (const char* command : {"--help", "sessions hoist.db", "metrics hoist.db all", "metrics --list", "export hoist.db 1",
+                              "sql hoist.db 'SELECT 1'", "user list accounts.db", "audit list accounts.db"}) {
+    EXPECT_EQ(tool(std::string(command) + " >/dev/null").exit_code, 0) << command;
+    const ShellResult lost = tool(std::string(command) + " 3>&1 >/dev/full 2>&3 #");
+    EXPECT_EQ(lost.exit_code, kRefused) << command;
+    EXPECT_NE(lost.output.find("the output could not be written whole"), std::string::npos) << command << ": " << lost.output;
+  }
+  EXPECT_EQ(tool("sql hoist.db >/dev/full", "echo 'SELECT 1;' | ").exit_code, kRefused);
+}
+
 }  // namespace
 }  // namespace hoist::db::test
