@@ -165,10 +165,14 @@ Result<std::optional<User>> Accounts::find(std::string_view name) const {
   });
 }
 
-Status Accounts::add(const User& user, std::int64_t now_s) {
+Status check_user(const User& user) {
   if (!is_user_name(user.name)) return Error{ErrorKind::bad_value, "user must be 2 to 32 of the characters a-z 0-9 . _ -", "user"};
   if (Status checked = check_display_name(user.display_name); !checked) return checked;
-  if (Status checked = check_role(user.role); !checked) return checked;
+  return check_role(user.role);
+}
+
+Status Accounts::add(const User& user, std::int64_t now_s) {
+  if (Status checked = check_user(user); !checked) return checked;
   return guarded([&]() -> Status {
     Transaction transaction(handle_, Transaction::Kind::write);
     if (static_cast<std::size_t>(number_of(handle_, "SELECT count(*) FROM users")) >= kMaxUsers)

@@ -114,6 +114,8 @@ class Accounts {
   sqlite3* handle_ = nullptr;
 };
 
+/// What add() refuses of a name, display name or role before it looks into the file: bad_value.
+[[nodiscard]] Status check_user(const User& user);
 /// Lower-case letters, digits and . _ - : 2 to kMaxUserName_bytes of them.
 [[nodiscard]] bool is_user_name(std::string_view text);
 /// SHA-256 as 64 hexadecimal digits.

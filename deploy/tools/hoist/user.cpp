@@ -1,9 +1,13 @@
 // hoist user, hoist audit: the file of accounts on this computer, for a user who may read it.
+#include <signal.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -20,12 +24,14 @@ namespace {
 
 constexpr const char* kUserHelp =
     "usage: hoist user list FILE\n"
-    "       hoist user add FILE NAME DISPLAY_NAME viewer|therapist|engineer\n"
+    "       hoist user add FILE NAME DISPLAY_NAME viewer|therapist|engineer [--create]\n"
     "       hoist user password FILE NAME\n"
     "       hoist user enable|disable FILE NAME\n\n"
-    "FILE is the server's accounts.db, beside its recordings. A new password is read from the terminal, without showing it, or from\n"
-    "standard input. A running server learns of a new password or account at once, of a disabled one at its next start: disable in\n"
-    "the console (Settings) to sign a user out now.\n";
+    "FILE is the server's accounts.db, beside its recordings; --create makes it when there is none. A new password is read twice from the\n"
+    "terminal, without showing it, or once from standard input.\n"
+    "A running server learns of a new account or password at once. What is signed in stays so, tokens included, until its next start, "
+    "also\n"
+    "after `password` and `disable`: when a tablet was stolen, restart the server, or do it in the console (Settings) instead.\n";
 constexpr const char* kAuditHelp =
     "usage: hoist audit verify FILE\n"
     "       hoist audit list FILE\n\n"
@@ -36,33 +42,71 @@ std::int64_t now_s() {
   return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-// From a terminal without echo; from a pipe one line.
-std::string read_password() {
-  termios before{};
-  const bool terminal = ::tcgetattr(STDIN_FILENO, &before) == 0;
-  if (terminal) {
-    std::fputs("New password: ", stderr);
-    termios silent = before;
+termios terminal_before{};
+
+void restore_terminal_and_end(int signal) {
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
+// A terminal that does not show what is typed. When the program is ended meanwhile, the terminal shows it again.
+class SilentTerminal {
+ public:
+  SilentTerminal() {
+    for (std::size_t i = 0; i < kEnding.size(); ++i) before_[i] = ::signal(kEnding[i], &restore_terminal_and_end);
+    // A stopped program would leave it silent.
+    stop_before_ = ::signal(SIGTSTP, SIG_IGN);
+    termios silent = terminal_before;
     silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
     ::tcsetattr(STDIN_FILENO, TCSANOW, &silent);
   }
-  std::string line;
-  std::getline(std::cin, line);
-  if (terminal) {
-    ::tcsetattr(STDIN_FILENO, TCSANOW, &before);
+  SilentTerminal(const SilentTerminal&) = delete;
+  SilentTerminal& operator=(const SilentTerminal&) = delete;
+  ~SilentTerminal() {
+    ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_before);
+    ::signal(SIGTSTP, stop_before_);
+    for (std::size_t i = 0; i < kEnding.size(); ++i) ::signal(kEnding[i], before_[i]);
+  }
+
+ private:
+  using Handler = void (*)(int);
+  static constexpr std::array kEnding{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  std::array<Handler, kEnding.size()> before_{};
+  Handler stop_before_ = SIG_DFL;
+};
+
+// Twice from a terminal, without echo; from a pipe one line. Nothing when the two differ.
+std::optional<std::string> read_password() {
+  std::string first, again;
+  if (::tcgetattr(STDIN_FILENO, &terminal_before) != 0) {
+    std::getline(std::cin, first);
+    return first;
+  }
+  {
+    const SilentTerminal silent;
+    std::fputs("New password: ", stderr);
+    std::getline(std::cin, first);
+    std::fputs("\nThe same again: ", stderr);
+    std::getline(std::cin, again);
     std::fputc('\n', stderr);
   }
-  return line;
+  if (first != again) return std::nullopt;
+  return first;
 }
 
 // The hash of a password that is read now; nothing after a refusal that was printed.
 std::optional<std::string> new_hash(const std::string& user) {
-  const std::string password = read_password();
-  if (const std::string fault = server::password_fault(password, user); !fault.empty()) {
+  const std::optional<std::string> password = read_password();
+  if (!password) {
+    std::fputs("hoist user: the two passwords differ\n", stderr);
+    return std::nullopt;
+  }
+  if (const std::string fault = server::password_fault(*password, user); !fault.empty()) {
     std::fprintf(stderr, "hoist user: the password %s\n", fault.c_str());
     return std::nullopt;
   }
-  std::string hash = server::hash_secret(password, server::HashLimits());
+  std::string hash = server::hash_secret(*password, server::HashLimits());
   if (hash.empty()) {
     std::fputs("hoist user: there is no memory for the password\n", stderr);
     return std::nullopt;
@@ -96,45 +140,59 @@ int finish(db::Accounts& accounts, const std::string& name, const std::string& a
   return logged ? kDone : refuse("user", logged.error());
 }
 
+int add(const std::vector<std::string>& words, bool create) {
+  const std::string &file = words[1], &name = words[2], &role = words[4];
+  db::User user{.id = 0, .name = name, .display_name = words[3], .role = role, .enabled = true, .password_hash = {}, .pin_hash = {}};
+  if (const db::Status checked = db::check_user(user); !checked) return refuse("user", checked.error());
+  // A mistyped FILE would become a file of accounts that no server reads.
+  std::error_code ignored;
+  if (!create && !std::filesystem::exists(file, ignored))
+    return refuse("user", {db::ErrorKind::not_found, "there is no file " + file + " (--create makes it)", {}});
+  const auto hash = new_hash(name);
+  if (!hash) return kRefused;
+  user.password_hash = *hash;
+  auto accounts = db::Accounts::open(file);
+  if (!accounts) return refuse("user", accounts.error());
+  return finish(*accounts, name, role, accounts->add(user, now_s()), false);
+}
+
+int change(db::Accounts& accounts, const std::string& verb, const std::string& name) {
+  db::UserChange change{.display_name = {}, .role = {}, .password_hash = {}, .enabled = {}, .pin_hash = {}};
+  if (verb == "password") {
+    change.password_hash = new_hash(name);
+    if (!change.password_hash) return kRefused;
+  } else {
+    change.enabled = verb == "enable";
+  }
+  return finish(accounts, name, verb == "password" ? "new password" : verb, accounts.change(name, change), verb != "enable");
+}
+
 }  // namespace
 
 int run_user(std::span<const std::string_view> arguments) {
-  if (arguments.size() == 1 && arguments[0] == "--help") {
-    std::fputs(kUserHelp, stdout);
-    return kDone;
+  std::vector<std::string> words;
+  bool create = false;
+  for (const std::string_view argument : arguments) {
+    if (argument == "--help") {
+      std::fputs(kUserHelp, stdout);
+      return kDone;
+    }
+    if (argument == "--create")
+      create = true;
+    else if (argument.starts_with("--"))
+      return bad_usage("user", "there is no option " + std::string(argument));
+    else
+      words.emplace_back(argument);
   }
-  if (arguments.size() < 2) return bad_usage("user", "say what to do and name the file");
-  const std::vector<std::string> words(arguments.begin(), arguments.end());
-  auto accounts = words[0] == "add" ? db::Accounts::open(words[1]) : db::Accounts::attach(words[1]);
+  const std::string verb = words.empty() ? "" : words[0];
+  if (create && verb != "add") return bad_usage("user", "--create belongs to add");
+  if (verb == "add" && words.size() == 5) return add(words, create);
+  const bool lists = verb == "list" && words.size() == 2;
+  const bool changes = (verb == "password" || verb == "enable" || verb == "disable") && words.size() == 3;
+  if (!lists && !changes) return bad_usage("user", "list, add, password, enable or disable, with their words");
+  auto accounts = db::Accounts::attach(words[1]);
   if (!accounts) return refuse("user", accounts.error());
-  if (words[0] == "list" && words.size() == 2) return list(*accounts);
-  if (words[0] == "add" && words.size() == 5) {
-    const auto hash = new_hash(words[2]);
-    if (!hash) return kRefused;
-    return finish(*accounts, words[2], words[4],
-                  accounts->add({.id = 0,
-                                 .name = words[2],
-                                 .display_name = words[3],
-                                 .role = words[4],
-                                 .enabled = true,
-                                 .password_hash = *hash,
-                                 .pin_hash = {}},
-                                now_s()),
-                  false);
-  }
-  if (words[0] == "password" && words.size() == 3) {
-    const auto hash = new_hash(words[2]);
-    if (!hash) return kRefused;
-    return finish(*accounts, words[2], "new password",
-                  accounts->change(words[2], {.display_name = {}, .role = {}, .password_hash = *hash, .enabled = {}, .pin_hash = {}}),
-                  true);
-  }
-  if ((words[0] == "enable" || words[0] == "disable") && words.size() == 3)
-    return finish(
-        *accounts, words[2], words[0],
-        accounts->change(words[2], {.display_name = {}, .role = {}, .password_hash = {}, .enabled = words[0] == "enable", .pin_hash = {}}),
-        words[0] == "disable");
-  return bad_usage("user", "list, add, password, enable or disable");
+  return lists ? list(*accounts) : change(*accounts, verb, words[2]);
 }
 
 int run_audit(std::span<const std::string_view> arguments) {

@@ -1,8 +1,13 @@
 // The commands of `hoist` that write files, as processes.
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -122,13 +127,13 @@ TEST_F(Tool, WhatRootMakesBelongsToTheOwnerOfTheFileOrFolder) {
   EXPECT_EQ(tool("restore hoist.db " + backup).exit_code, 0);
   service_owns_all("after a restore into an empty folder");
   ASSERT_TRUE(Database::open(folder_ / "pulled.db").ok());
-  EXPECT_EQ(tool("user add accounts.db erika Erika engineer", "echo four words not together | ").exit_code, 0);
+  EXPECT_EQ(tool("user add accounts.db erika Erika engineer --create", "echo four words not together | ").exit_code, 0);
   EXPECT_TRUE(names().contains("pulled.db.seal") && names().contains("accounts.db"));
   service_owns_all("after a new file");
 }
 
 TEST_F(Tool, LostOutputIsNoSuccess) {
-  ASSERT_EQ(tool("user add accounts.db erika Erika engineer", "echo four words not together | ").exit_code, 0);
+  ASSERT_EQ(tool("user add accounts.db erika Erika engineer --create", "echo four words not together | ").exit_code, 0);
   for (const char* command : {"--help", "sessions hoist.db", "metrics hoist.db all", "metrics --list", "export hoist.db 1",
                               "sql hoist.db 'SELECT 1'", "user list accounts.db", "audit list accounts.db"}) {
     EXPECT_EQ(tool(std::string(command) + " >/dev/null").exit_code, 0) << command;
@@ -137,6 +142,82 @@ TEST_F(Tool, LostOutputIsNoSuccess) {
     EXPECT_NE(lost.output.find("the output could not be written whole"), std::string::npos) << command << ": " << lost.output;
   }
   EXPECT_EQ(tool("sql hoist.db >/dev/full", "echo 'SELECT 1;' | ").exit_code, kRefused);
+}
+
+TEST_F(Tool, AWrongWordMakesNoFileOfAccounts) {
+  const std::set<std::string> files = names();
+  const std::string password = "echo four words not together | ";
+  EXPECT_EQ(tool("user add new.db").exit_code, kBadUsage);
+  EXPECT_EQ(tool("user add new.db karl Karl engineer", password).exit_code, kRefused) << "mistyped, perhaps";
+  EXPECT_EQ(tool("user add new.db karl Karl director --create", password).exit_code, kRefused);
+  EXPECT_EQ(tool("user add new.db karl Karl engineer --create", "echo short | ").exit_code, kRefused);
+  EXPECT_EQ(tool("user list new.db --create").exit_code, kBadUsage);
+  EXPECT_EQ(names(), files);
+  EXPECT_EQ(tool("user add new.db karl Karl engineer --create", password).exit_code, 0);
+  EXPECT_EQ(tool("user add new.db erika Erika viewer", password).exit_code, 0);
+}
+
+// A terminal with `hoist user password` in it.
+class Terminal {
+ public:
+  explicit Terminal(const std::string& accounts) {
+    const std::string program = std::string(HOIST_BINARY_DIR) + "/bin/hoist";
+    child_ = ::forkpty(&screen_, nullptr, nullptr, nullptr);
+    if (child_ != 0) return;
+    ::execl(program.c_str(), "hoist", "user", "password", accounts.c_str(), "erika", nullptr);
+    ::_exit(127);
+  }
+  ~Terminal() { ::close(screen_); }
+  // Reads until the program has printed this.
+  bool shows(const std::string& text) {
+    std::array<char, 256> piece{};
+    while (shown_.find(text) == std::string::npos) {
+      const ssize_t got = ::read(screen_, piece.data(), piece.size());
+      if (got <= 0) return false;
+      shown_.append(piece.data(), static_cast<std::size_t>(got));
+    }
+    return true;
+  }
+  void type(const std::string& text) const { ASSERT_EQ(::write(screen_, text.data(), text.size()), static_cast<ssize_t>(text.size())); }
+  bool echoes() const {
+    termios now{};
+    return ::tcgetattr(screen_, &now) == 0 && (now.c_lflag & ECHO) != 0;
+  }
+  int end() const {
+    int status = 0;
+    ::waitpid(child_, &status, 0);
+    return status;
+  }
+  const std::string& shown() const { return shown_; }
+
+ private:
+  int screen_ = -1;
+  pid_t child_ = -1;
+  std::string shown_;
+};
+
+TEST_F(Tool, APasswordIsTypedTwiceUnseenAndTheTerminalShowsWhatIsTypedAgain) {
+  ASSERT_EQ(tool("user add accounts.db erika Erika engineer --create", "echo four words not together | ").exit_code, 0);
+  {
+    Terminal terminal(folder_ / "accounts.db");
+    ASSERT_TRUE(terminal.shows("New password: "));
+    EXPECT_FALSE(terminal.echoes());
+    terminal.type("\x03");  // Ctrl-C
+    const int status = terminal.end();
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+    EXPECT_TRUE(terminal.echoes());
+  }
+  for (const bool same : {false, true}) {
+    Terminal terminal(folder_ / "accounts.db");
+    ASSERT_TRUE(terminal.shows("New password: "));
+    terminal.type("another row of words\n");
+    ASSERT_TRUE(terminal.shows("again: "));
+    terminal.type(same ? "another row of words\n" : "another row of word\n");
+    const int status = terminal.end();
+    EXPECT_EQ(WEXITSTATUS(status), same ? 0 : kRefused);
+    EXPECT_TRUE(terminal.echoes());
+    EXPECT_EQ(terminal.shown().find("another row"), std::string::npos);
+  }
 }
 
 }  // namespace
