@@ -144,6 +144,41 @@ TEST_F(Tool, LostOutputIsNoSuccess) {
   EXPECT_EQ(tool("sql hoist.db >/dev/full", "echo 'SELECT 1;' | ").exit_code, kRefused);
 }
 
+TEST_F(Tool, ABackupHoldsTheAccountsAndSaysWhatItDoesNotHold) {
+  ASSERT_EQ(tool("user add accounts.db erika Erika engineer --create", "echo four words not together | ").exit_code, 0);
+  const TemporaryFolder without, with;
+  const auto folder_in = [](const TemporaryFolder& stick) { return fs::directory_iterator(stick.path())->path(); };
+  EXPECT_EQ(tool("backup hoist.db " + without.path().string() + " --identity-key").exit_code, kRefused) << "there is no key";
+  write("hoist.db.key", "the key of the names");
+  const ShellResult plain = tool("backup hoist.db " + without.path().string());
+  ASSERT_EQ(plain.exit_code, 0) << plain.output;
+  EXPECT_NE(plain.output.find("in it: recordings.db, accounts.db\nnot in it: hoist.db.key, "), std::string::npos) << plain.output;
+  EXPECT_FALSE(fs::exists(folder_in(without) / "hoist.db.key"));
+  const ShellResult whole = tool("backup hoist.db " + with.path().string() + " --identity-key");
+  ASSERT_EQ(whole.exit_code, 0) << whole.output;
+  EXPECT_NE(whole.output.find("in it: recordings.db, accounts.db, hoist.db.key\n"), std::string::npos) << whole.output;
+  EXPECT_EQ(whole.output.find("not in it"), std::string::npos);
+  EXPECT_EQ(bytes_of(folder_in(with) / "hoist.db.key"), "the key of the names");
+  EXPECT_EQ(tool("user list " + (folder_in(with) / "accounts.db").string()).output, tool("user list accounts.db").output);
+  const ShellResult restored = tool("restore hoist.db " + folder_in(without).string());
+  EXPECT_EQ(restored.exit_code, 0);
+  EXPECT_NE(restored.output.find("not put back: accounts.db "), std::string::npos) << restored.output;
+}
+
+TEST_F(Tool, AnOptionIsNeverTakenForAFile) {
+  const std::set<std::string> files = names();
+  for (const char* command :
+       {"restore --help hoist.db", "restore hoist.db --help", "user add --help karl Karl engineer", "backup --help ."}) {
+    const ShellResult help = tool(command);
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_TRUE(help.output.starts_with("usage: hoist")) << command;
+  }
+  for (const char* command :
+       {"restore --db hoist.db", "restore hoist.db --yes", "user add --db karl Karl engineer", "backup hoist.db --all"})
+    EXPECT_EQ(tool(command, "echo four words not together | ").exit_code, kBadUsage) << command;
+  EXPECT_EQ(names(), files);
+}
+
 TEST_F(Tool, AWrongWordMakesNoFileOfAccounts) {
   const std::set<std::string> files = names();
   const std::string password = "echo four words not together | ";
