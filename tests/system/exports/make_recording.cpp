@@ -47,7 +47,10 @@ db::SessionId record(db::SessionWriter& writer, std::uint32_t seed, db::SessionS
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 || argv[1][0] == '-') {
+    std::fputs("usage: make_recording FILE: makes a file of three recorded sessions\n", stderr);
+    return 2;
+  }
   auto database = db::Database::open(argv[1]);
   if (!fine(database)) return 1;
   auto writer = db::SessionWriter::create(*database);

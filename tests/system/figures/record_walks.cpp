@@ -36,7 +36,10 @@ bool store(db::SessionWriter& writer, const std::string& exercise, const std::ve
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 || argv[1][0] == '-') {
+    std::fputs("usage: record_walks FILE: records walks from standard input into FILE\n", stderr);
+    return 2;
+  }
   auto database = db::Database::open(argv[1]);
   if (!database) return 1;
   auto writer = db::SessionWriter::create(*database);
