@@ -1,5 +1,6 @@
 // hoist export: a recorded session as a file that other programs read.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -51,7 +52,12 @@ struct Wish {
   std::optional<db::BundleLayout> bundle;
   db::SessionFilter filter;
   std::string out_file;
+  std::string_view filtered_by, formatted_by;  // one of the options of that kind; empty = none
 };
+
+// Which sessions go into a bundle, and what the export of one session looks like.
+constexpr std::array<std::string_view, 7> kFilterOptions{"--subject", "--from", "--to", "--exercise", "--tag", "--visit", "--no-simulated"};
+constexpr std::array<std::string_view, 4> kFormatOptions{"--format", "--columns", "--no-constant", "--no-comments"};
 
 // The last word on an option: nothing, or why it cannot be used.
 using Refusal = std::optional<std::string>;
@@ -151,15 +157,21 @@ int run_export(std::span<const std::string_view> arguments) {
       wish.places.push_back(argument);
     else if (const Refusal refusal = take_option(wish, argument, value))
       return bad_usage("export", *refusal);
+    if (std::ranges::count(kFilterOptions, argument) > 0) wish.filtered_by = argument;
+    if (std::ranges::count(kFormatOptions, argument) > 0) wish.formatted_by = argument;
   }
   std::vector<db::SessionId> sessions;
   for (std::size_t i = 1; i < wish.places.size(); ++i) {
     const auto session = parse_session(wish.places[i]);
     if (!session) return bad_usage("export", std::string(wish.places[i]) + " is no session's number");
-    sessions.push_back(*session);
+    if (std::ranges::count(sessions, *session) == 0) sessions.push_back(*session);
   }
   if (wish.places.empty() || (!wish.bundle && sessions.size() != 1)) return bad_usage("export", "name a database and a session's number");
-
+  // An option that is not looked at would let sessions out that it was meant to keep back.
+  if (!wish.filtered_by.empty() && (!wish.bundle || !sessions.empty()))
+    return bad_usage("export", std::string(wish.filtered_by) + " chooses the sessions of a --bundle; none may be named beside it");
+  if (!wish.formatted_by.empty() && wish.bundle)
+    return bad_usage("export", std::string(wish.formatted_by) + " belongs to one session without --bundle");
   db::Result<db::Database> database = db::Database::attach(std::string(wish.places[0]));
   if (!database) return refuse("export", database.error());
   if (wish.bundle) return export_bundle(*database, wish, std::move(sessions));

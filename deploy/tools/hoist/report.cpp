@@ -1,6 +1,7 @@
 // hoist report: recorded sessions on paper, one page each, and all of them in one table.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -44,7 +45,7 @@ std::string read_option(std::string_view name, std::string_view value, Request& 
   if (name == "--session") {
     const auto session = parse_session(value);
     if (!session) return std::string(value) + " is no session's number";
-    out.sessions.push_back(*session);
+    if (std::ranges::count(out.sessions, *session) == 0) out.sessions.push_back(*session);
   } else if (name == "--kind") {
     const auto kind = db::find_report_kind(value);
     if (!kind) return "--kind is patient or full";
@@ -83,6 +84,7 @@ std::string read_request(std::span<const std::string_view> arguments, Request& o
   if (out.out.empty()) return "--out names the folder";
   const bool filtered = out.filter.subject || out.filter.tag;
   if (out.sessions.empty() != filtered) return "choose by --session, or by --patient and --tag";
+  if (!filtered && !out.filter.simulated) return "--no-simulated belongs to --patient and --tag";
   return {};
 }
 

@@ -192,6 +192,24 @@ TEST_F(Tool, AWrongWordMakesNoFileOfAccounts) {
   EXPECT_EQ(tool("user add new.db erika Erika viewer", password).exit_code, 0);
 }
 
+// A filter that is not looked at lets out what it was meant to keep back: here a session of a simulated hoist.
+TEST_F(Tool, AnOptionThatWouldChangeNothingIsRefused) {
+  for (const char* filter :
+       {"--no-simulated", "--tag x", "--from 2099-01-01", "--to 2000-01-01", "--subject P-1", "--exercise eight", "--visit 7"}) {
+    const std::string option = filter;
+    EXPECT_EQ(tool("export hoist.db 1 " + option).exit_code, kBadUsage) << option;
+    EXPECT_EQ(tool("export hoist.db 1 --bundle files --out x.zip " + option).exit_code, kBadUsage) << option;
+    EXPECT_EQ(tool("export hoist.db --bundle files --out x.zip " + option).exit_code, kRefused) << option << ": no session fits";
+  }
+  for (const char* option : {"--format json", "--columns mode", "--no-constant", "--no-comments"})
+    EXPECT_EQ(tool(std::string("export hoist.db 1 --bundle files --out x.zip ") + option).exit_code, kBadUsage) << option;
+  EXPECT_EQ(tool("report hoist.db --session 1 --no-simulated --out pages").exit_code, kBadUsage);
+  EXPECT_FALSE(fs::exists(folder_ / "x.zip") || fs::exists(folder_ / "pages"));
+  EXPECT_EQ(tool("export hoist.db 1 1 --bundle files --out x.zip").exit_code, 0);
+  EXPECT_NE(tool("report hoist.db --session 1 --session 1 --out pages").output.find("1 of 1 reports"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "pages" / "group.html")) << "a group of one";
+}
+
 // A terminal with `hoist user password` in it.
 class Terminal {
  public:
