@@ -348,6 +348,7 @@ Status run_sql(Database& database, std::string_view text, const std::function<bo
     for (int i = 0; i < columns; ++i) names.emplace_back(sqlite3_column_name(raw, i));
     std::vector<std::optional<std::string>> cells(names.size());
     int code = 0;
+    bool first = true;
     while ((code = sqlite3_step(raw)) == SQLITE_ROW) {
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const auto column_number = static_cast<int>(i);
@@ -359,7 +360,7 @@ Status run_sql(Database& database, std::string_view text, const std::function<bo
         cells[i].emplace(bytes == nullptr ? "" : bytes,
                          bytes == nullptr ? 0 : static_cast<std::size_t>(sqlite3_column_bytes(raw, column_number)));
       }
-      if (!row({names, cells})) return {};
+      if (!row({names, cells, std::exchange(first, false)})) return {};
     }
     if (code != SQLITE_DONE) return sql_error(handle);
   }

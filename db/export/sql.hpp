@@ -20,6 +20,7 @@ Status enable_sql(Database& database);
 struct SqlRow {
   std::span<const std::string> names;
   std::span<const std::optional<std::string>> cells;  ///< numbers as SQLite prints them; nothing = NULL
+  bool first = false;                                 ///< of its statement
 };
 /// Runs the statements of this text one after the other; `row` gets each row and ends the work with false. Call enable_sql before.
 /// Errors: bad_value (field sql: what SQLite says of the text, or that it would write), corrupt, busy, io.

@@ -26,36 +26,27 @@ void print_sql_help(std::FILE* out) {
       out);
 }
 
-// A row of names before the first row of each statement.
-class Printer {
- public:
-  bool operator()(const db::SqlRow& row) {
-    std::string text;
-    if (!begun_) line(text, row.names, [](const std::string& name) { return name; });
-    begun_ = true;
-    line(text, row.cells, [](const std::optional<std::string>& cell) { return cell.value_or(""); });
-    return std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+void add_line(std::string& out, auto cells, auto text_of) {
+  bool first = true;
+  for (const auto& cell : cells) {
+    if (!std::exchange(first, false)) out += ',';
+    // Numbers may begin with a minus: only texts that a spreadsheet would run are marked.
+    const std::string text = text_of(cell);
+    const bool number = text.find_first_not_of("0123456789.+-eE") == std::string::npos;
+    out += number ? text : db::csv_cell(text);
   }
-
- private:
-  static void line(std::string& out, auto cells, auto text_of) {
-    bool first = true;
-    for (const auto& cell : cells) {
-      if (!std::exchange(first, false)) out += ',';
-      // Numbers may begin with a minus: only texts that a spreadsheet would run are marked.
-      const std::string text = text_of(cell);
-      const bool number = text.find_first_not_of("0123456789.+-eE") == std::string::npos;
-      out += number ? text : db::csv_cell(text);
-    }
-    out += '\n';
-  }
-  bool begun_ = false;
-};
-
-db::Status run(db::Database& database, std::string_view text) {
-  Printer printer;
-  return db::run_sql(database, text, [&printer](const db::SqlRow& row) { return printer(row); });
+  out += '\n';
 }
+
+// A row of names before the first row of each statement.
+bool print(const db::SqlRow& row) {
+  std::string text;
+  if (row.first) add_line(text, row.names, [](const std::string& name) { return name; });
+  add_line(text, row.cells, [](const std::optional<std::string>& cell) { return cell.value_or(""); });
+  return std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+}
+
+db::Status run(db::Database& database, std::string_view text) { return db::run_sql(database, text, &print); }
 
 // Statement by statement; at a keyboard an error is told and the next one is asked for.
 int run_input(db::Database& database) {

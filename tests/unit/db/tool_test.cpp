@@ -210,6 +210,10 @@ TEST_F(Tool, AnOptionThatWouldChangeNothingIsRefused) {
   EXPECT_FALSE(fs::exists(folder_ / "pages" / "group.html")) << "a group of one";
 }
 
+TEST_F(Tool, EachStatementOfSqlHasItsRowOfNames) {
+  EXPECT_EQ(tool("sql hoist.db 'SELECT 1 AS a; SELECT 2 AS b, 3 AS c UNION ALL SELECT 4, 5'").output, "a\n1\nb,c\n2,3\n4,5\n");
+}
+
 // A terminal with `hoist user password` in it.
 class Terminal {
  public:
