@@ -193,7 +193,7 @@ class Suites : public Tally {
     std::filesystem::create_directories(folder_ / "deploy/lib");
     std::filesystem::create_directories(folder_ / "web/node_modules");
     write("web/package.json", "{}");
-    for (const char* name : {"common.sh", "setup.sh", "tests.sh", "tally.mjs"})
+    for (const char* name : {"common.sh", "setup.sh", "tests.sh", "lint.sh", "tally.mjs"})
       std::filesystem::copy(std::filesystem::path(HOIST_SOURCE_DIR) / "deploy/lib" / name, folder_ / "deploy/lib" / name);
   }
   // With `set -e`, as deploy/dev has it.
@@ -246,6 +246,16 @@ TEST_F(Suites, UnitTestsOfTheConsoleRunAtAnyPriorityAndTheirEndCounts) {
   EXPECT_EQ(run(beside + "run_web_tests() { record_step $1 passed web; }\nrun_console_suites $results .").last_line(),
             "2 passed, 0 failed, 0 skipped");
   EXPECT_EQ(run(beside + "run_web_tests() { return 1; }\nrun_console_suites $results .").last_line(), "1 passed, 1 failed, 0 skipped");
+}
+
+// clang-tidy gives up the other findings of a source that clang cannot compile.
+TEST_F(Suites, ASourceThatClangCannotReadIsAFinding) {
+  const std::string script =
+      "source deploy/lib/lint.sh\nclang-tidy() { echo \"x.cpp:1:1: error: no answer [clang-diagnostic-error]\"; return 1; }\n"
+      "tidy_one . x.cpp || record_step $results failed clang-tidy";
+  const Outcome outcome = run(script);
+  EXPECT_EQ(outcome.last_line(), "1 passed, 1 failed, 0 skipped");
+  EXPECT_NE(outcome.output.find("no answer"), std::string::npos) << outcome.output;
 }
 
 }  // namespace
