@@ -16,6 +16,8 @@ class SerialDevice {
   /// As read(2) and write(2) of a non-blocking descriptor, errno included; a read of 0 is a device that went away.
   virtual ssize_t read(std::span<char> text) noexcept = 0;
   virtual ssize_t write(std::span<const char> text) noexcept = 0;
+  /// Drops what was written and has not left; for a device that keeps nothing, nothing to do.
+  virtual void discard() noexcept {}
 };
 
 }  // namespace hoist::bus

@@ -56,7 +56,7 @@ class Tty final : public SerialDevice {
     // Two programs on one line would each lose the frames that the other reads.
     if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) return "another program has the device open";
     if (!set_up_line()) return "the device is no serial line, or not at this rate";
-    ::tcflush(fd_, TCIOFLUSH);
+    ::tcflush(fd_, TCIFLUSH);
     return nullptr;
   }
   void close() noexcept override {
@@ -65,6 +65,7 @@ class Tty final : public SerialDevice {
   }
   ssize_t read(std::span<char> text) noexcept override { return ::read(fd_, text.data(), text.size()); }
   ssize_t write(std::span<const char> text) noexcept override { return ::write(fd_, text.data(), text.size()); }
+  void discard() noexcept override { ::tcflush(fd_, TCOFLUSH); }
 
  private:
   [[nodiscard]] bool set_up_line() const noexcept;
@@ -135,8 +136,9 @@ void SlcanPort::begin_setup(std::uint64_t now_ns) noexcept {
   state_ = State::setting_up;
   deadline_ns_ = now_ns + kSetupNs;
   setup_answers_ = 0;
-  unanswered_ = 0;
+  expect_nothing();
   silences_ = refusals_ = 0;
+  device_->discard();  // commands that a halted line still holds are old
   // A reopened adapter has left bus-off; if not, it reports it again.
   counters_.state = BusState::active;
   problem_ = "the adapter does not answer";
@@ -156,8 +158,13 @@ bool SlcanPort::flush() noexcept {
   return true;
 }
 
+void SlcanPort::expect_nothing() noexcept {
+  unanswered_ = 0;
+  waiting_since_ns_ = left_out_ns_ = 0;
+}
+
 void SlcanPort::on_answer(bool accepted, std::uint64_t now_ns) noexcept {
-  last_answer_ns_ = now_ns;
+  waiting_since_ns_ = left_out_ns_ = 0;
   silences_ = 0;
   if (state_ == State::setting_up) {
     // Adapters differ in whether they answer an empty line; so the set-up is over when the answer to `O` is the last one owed, or when
@@ -196,7 +203,7 @@ void SlcanPort::on_state(const SlcanLine& line, std::uint64_t now_ns) noexcept {
   if (counters_.state == BusState::off && before != BusState::off) {
     ++counters_.bus_offs;
     off_since_ns_ = now_ns;
-    unanswered_ = 0;  // unanswered lines are lost with the bus
+    expect_nothing();  // unanswered lines are lost with the bus
   }
   if (state_ == State::up) become_up();
 }
@@ -271,11 +278,13 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
       begin_setup(now_ns);
     }
   }
-  if (state_ == State::up && unanswered_ > 0 && now_ns - last_answer_ns_ > kAnswerNs) {
+  if (state_ == State::up && waiting_since_ns_ != 0 && now_ns - waiting_since_ns_ > kAnswerNs) {
     counters_.send_refused += unanswered_;
-    unanswered_ = 0;
+    expect_nothing();
     if (++silences_ >= kSilencesBeforeSetup) begin_setup(now_ns);
   }
+  // The line is halted: what it has not taken by now must not be sent any more.
+  if (state_ == State::up && pending_size_ > 0 && now_ns - pending_since_ns_ > kAnswerNs) begin_setup(now_ns);
   // Every line is refused and nothing is received: one flipped character was a `C`, which closed the bus. At bus-off lines are refused too,
   // but that ends by itself.
   if (state_ == State::up && refusals_ >= kRefusalsBeforeSetup && counters_.state != BusState::off) begin_setup(now_ns);
@@ -283,19 +292,34 @@ std::size_t SlcanPort::receive(std::span<CanFrame> out, std::uint64_t now_ns) no
   return count;
 }
 
+// Whether the window has room for so many lines. Noise also damages answers, and a lost one would narrow the window for good: after a step was
+// left out, a working adapter that has answered since its last lines and then is silent owes nothing more.
+bool SlcanPort::has_room(std::size_t lines, std::uint64_t now_ns) noexcept {
+  if (left_out_ns_ != 0 && now_ns - left_out_ns_ >= kLostNs) {
+    counters_.send_refused += unanswered_;
+    expect_nothing();
+  }
+  if (unanswered_ + lines <= kWindow) return true;
+  if (left_out_ns_ == 0 && waiting_since_ns_ == 0) left_out_ns_ = now_ns;
+  return false;
+}
+
+// All frames of a step or none: of two drive commands, one alone would turn the hoist.
 std::size_t SlcanPort::send(std::span<const CanFrame> frames, std::uint64_t now_ns) noexcept {
+  const std::span<const CanFrame> step = frames.first(std::min<std::size_t>(frames.size(), kWindow));
   std::size_t taken = 0;
-  if (up() && pending_size_ == 0) {
-    for (const CanFrame& frame : frames) {
-      if (unanswered_ >= kWindow) break;
+  if (up() && pending_size_ == 0 && has_room(step.size(), now_ns)) {
+    for (const CanFrame& frame : step) {
       const std::size_t length =
           contract::slcan_encode(frame, std::span<char>(pending_.data() + pending_size_, pending_.size() - pending_size_));
       if (length == 0) break;
-      if (unanswered_ == 0) last_answer_ns_ = now_ns;
       pending_size_ += length;
-      ++unanswered_;
       ++taken;
     }
+    unanswered_ += static_cast<std::uint32_t>(taken);
+    pending_since_ns_ = now_ns;
+    if (taken > 0) left_out_ns_ = 0;
+    if (taken > 0 && waiting_since_ns_ == 0) waiting_since_ns_ = now_ns;
   }
   counters_.sent += static_cast<std::uint32_t>(taken);
   counters_.send_refused += static_cast<std::uint32_t>(frames.size() - taken);

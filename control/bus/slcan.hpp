@@ -39,6 +39,7 @@ class SlcanPort final : public CanPort {
   static constexpr std::uint64_t kRetryNs = 200'000'000;     // reopening a device that went away (SOURCES 4)
   static constexpr std::uint64_t kAnswerNs = 50'000'000;     // timeout of the answer to a `t` line
   static constexpr std::uint64_t kSetupNs = 500'000'000;     // C, S5, E1, O must be answered within this
+  static constexpr std::uint64_t kLostNs = 5'000'000;        // half a step; a working adapter answers in less
   static constexpr std::uint32_t kWindow = 16;               // unanswered lines: two steps of the fullest traffic
   static constexpr std::uint32_t kSilencesBeforeSetup = 4;   // then the adapter is set up again
   static constexpr std::uint32_t kRefusalsBeforeSetup = 50;  // likewise: a tenth of a second of traffic, refused line by line
@@ -54,6 +55,8 @@ class SlcanPort final : public CanPort {
   void on_state(const contract::SlcanLine& line, std::uint64_t now_ns) noexcept;
   void on_errors(std::string_view text) noexcept;
   void become_up() noexcept;
+  void expect_nothing() noexcept;
+  bool has_room(std::size_t lines, std::uint64_t now_ns) noexcept;
   bool flush() noexcept;
 
   std::shared_ptr<SerialDevice> device_;
@@ -64,7 +67,8 @@ class SlcanPort final : public CanPort {
   bool plain_setup_ = false;    // without E1: the adapter did not open when state lines were requested
   bool last_accepted_ = false;  // the newest answer to the set-up
   std::uint32_t unanswered_ = 0;
-  std::uint64_t last_answer_ns_ = 0;
+  std::uint64_t waiting_since_ns_ = 0;  // the first line sent after the newest answer; 0: none
+  std::uint64_t left_out_ns_ = 0;       // the first step without room, all answers of the step before being there; 0: none
   std::uint32_t silences_ = 0;
   std::uint32_t refusals_ = 0;      // in a row, with no frame in between
   std::uint64_t off_since_ns_ = 0;  // when the controller was said to be off the bus
@@ -74,6 +78,7 @@ class SlcanPort final : public CanPort {
   // The rest of a partial write: a line must be finished before the next one begins.
   std::array<char, 2048> pending_{};
   std::size_t pending_size_ = 0;
+  std::uint64_t pending_since_ns_ = 0;
   std::array<char, 4096> read_buffer_{};
 };
 

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <memory>
 #include <string>
 
@@ -178,11 +179,115 @@ TEST_F(SlcanPortTest, StopsSendingWhenTheWindowIsFullAndRecovers) {
   many.fill(frame(0x201, 1));
   EXPECT_EQ(port->send(many, now_ns), SlcanPort::kWindow);
   EXPECT_EQ(port->counters().send_refused, 3U);
-  EXPECT_EQ(port->send(many, now_ns), 0U);
+  const std::array pair{frame(0x201, 1), frame(0x202, 1)};
+  EXPECT_EQ(port->send(pair, now_ns), 0U);
   adapter.heard();
-  adapter.say("z\rz\r");
+  adapter.say("z\r");
   receive();
-  EXPECT_EQ(port->send(many, now_ns), 2U);
+  EXPECT_EQ(port->send(pair, now_ns), 0U) << "room for one: a drive command without its partner is worse than none";
+  EXPECT_EQ(adapter.heard(), "");
+  adapter.say("z\r");
+  receive();
+  EXPECT_EQ(port->send(pair, now_ns), 2U);
+}
+
+// An adapter in memory that answers within the step, or whose line halts.
+class Line final : public SerialDevice {
+ public:
+  const char* open() noexcept override { return nullptr; }
+  void close() noexcept override {}
+  ssize_t read(std::span<char> text) noexcept override {
+    if (answers.empty()) {
+      errno = EAGAIN;
+      return -1;
+    }
+    const std::size_t count = answers.copy(text.data(), text.size());
+    answers.erase(0, count);
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(std::span<const char> text) noexcept override {
+    const std::size_t count = std::min(text.size(), room);
+    room -= count;
+    heard.append(text.data(), count);
+    errno = EAGAIN;
+    return count > 0 ? static_cast<ssize_t>(count) : -1;
+  }
+  void discard() noexcept override { ++discarded; }
+  // To each line heard; the first answer is damaged if asked for.
+  void answer(bool damaged) {
+    for (const char c : heard)
+      if (c == '\r') answers += "z\r";
+    if (damaged) answers[0] = 'y';
+    heard.clear();
+  }
+  std::string heard, answers;
+  std::size_t room = std::string::npos;
+  int discarded = 0;
+};
+
+class SlcanLineTest : public ::testing::Test {
+ protected:
+  SlcanLineTest() {
+    step({});
+    line->answer(false);
+    step({});
+    EXPECT_TRUE(port.up());
+  }
+  // One control step; how many frames were taken.
+  std::size_t step(std::span<const CanFrame> out) {
+    now_ns += 10'000'000;
+    port.receive(frames, now_ns);
+    return port.send(out, now_ns);
+  }
+  std::shared_ptr<Line> line = std::make_shared<Line>();
+  SlcanPort port{line};
+  std::array<CanFrame, 64> frames{};
+  std::uint64_t now_ns = 1'000'000'000;
+  const std::array<CanFrame, 5> full{frame(0x201, 1), frame(0x202, 1), frame(0x70F, 1), frame(0x208, 1), frame(0x080, 0)};
+};
+
+// Lost answers would add up, a few in an hour of motor noise, until no room is left for SYNC and for one of the two drive commands.
+TEST_F(SlcanLineTest, DamagedAnswersDoNotNarrowTheWindowForGood) {
+  int left_out = 0;
+  std::size_t before = full.size();
+  for (int i = 0; i < 3000; ++i) {
+    const std::size_t taken = step(full);
+    ASSERT_TRUE(taken == full.size() || (taken == 0 && before > 0)) << taken << " frames in step " << i;
+    if (taken == 0) ++left_out;
+    before = taken;
+    line->answer(i % 100 == 50);
+  }
+  EXPECT_LE(left_out, 2) << "one step for the lost answers that fill the window";
+  EXPECT_TRUE(port.up());
+  EXPECT_EQ(port.counters().send_refused, 30U - 6U + 5U * static_cast<std::uint32_t>(left_out)) << "lost answers count, too";
+}
+
+// A line too slow for the traffic looks the same, but it answers in the step that is left out.
+TEST_F(SlcanLineTest, ASlowAdapterIsNeverGivenMoreThanTheWindow) {
+  std::size_t waiting = 0;
+  for (int i = 0; i < 300; ++i) {
+    waiting += step(full);
+    ASSERT_LE(waiting, SlcanPort::kWindow);
+    const std::size_t answered = std::min<std::size_t>(waiting, 3);
+    waiting -= answered;
+    for (std::size_t k = 0; k < answered; ++k) line->answers += "z\r";
+  }
+  EXPECT_GT(port.counters().sent, 800U);
+}
+
+TEST_F(SlcanLineTest, ALineThatHaltsIsSetUpAgainAndNeverSendsWhatIsOld) {
+  line->room = 20;  // the two drive commands
+  step(full);
+  line->heard.clear();
+  line->room = 0;
+  const int discarded = line->discarded;
+  for (int i = 0; i < 6; ++i) step(full);
+  EXPECT_FALSE(port.up());
+  EXPECT_STREQ(port.problem(), "the adapter does not answer");
+  EXPECT_EQ(line->discarded, discarded + 1) << "what the kernel still holds is as old";
+  line->room = std::string::npos;
+  step(full);
+  EXPECT_EQ(line->heard, "\rC\rS5\rE1\rO\r");
 }
 
 TEST_F(SlcanPortTest, SilenceAfterFramesIsAFaultAndAtLastSetsUpAgain) {
