@@ -45,8 +45,9 @@ struct ParamsInForce {
   std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with
 };
 
-// How far the core's storing thread has come with ParamsInForce; the numbers are the sequences of that slot (SeqSlot).
+/// Why the newest attempt to store something has failed.
 enum class StoreProblem : std::uint64_t { none = 0, no_file = 1, disk_full = 2, failed = 3 };
+// How far the core's storing thread has come with ParamsInForce; the numbers are the sequences of that slot (SeqSlot).
 struct StoreReport {
   std::uint64_t stored = 0;                   // the next start begins with the `kept` of this one: file and folder are synced
   std::uint64_t tried = 0;                    // newest attempt, successful or not
@@ -81,6 +82,7 @@ struct StateSegment {
   SeqSlot<ParamsInForce> params;
   alignas(64) SeqSlot<LoopReport> loop;    // once a second
   alignas(64) SeqSlot<StoreReport> store;  // written by the storing thread
+  Word stops_problem;                      // StoreProblem of the stops that the next start must know (H22); written by the main thread
   SeqRing<TickRecord, kTickSlots> ticks;   // the newest slot is also the snapshot: one copy per tick
   SeqRing<Event, kEventSlots> events;
   SeqRing<BusRecord, kBusSlots> bus;

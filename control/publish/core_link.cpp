@@ -139,6 +139,10 @@ bool CoreLink::read_drive(contract::DriveCommand& command) noexcept {
 std::uint64_t CoreLink::params(contract::ParamsInForce& params) const { return seq_read_retry(state().params, params); }
 void CoreLink::publish_store(const contract::StoreReport& report) noexcept { seq_write(state().store, store_number_++, report); }
 
+void CoreLink::publish_stops_problem(contract::StoreProblem problem) noexcept {
+  state().stops_problem.store(static_cast<std::uint64_t>(problem), std::memory_order_relaxed);
+}
+
 bool CoreLink::attach(int command_fd, std::string& error) {
   std::shared_ptr<Mapping> mapping = map_segment(command_fd, sizeof(CommandSegment), error);
   if (!mapping) return false;

@@ -52,6 +52,8 @@ class CoreLink {
   // Maps a command segment directly, for programs that hold both ends (tests, benchmarks).
   bool attach(int command_fd, std::string& error);
   void detach();
+  /// Why the newest stops are not stored.
+  void publish_stops_problem(contract::StoreProblem problem) noexcept;
   [[nodiscard]] int state_descriptor() const { return state_.descriptor.get(); }
 
   // ---- storing thread

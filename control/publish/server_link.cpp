@@ -171,6 +171,11 @@ bool ServerLink::store(contract::StoreReport& report) const {
   return state_ && seq_read_retry(state_->as<const StateSegment>()->store, report) != 0;
 }
 
+contract::StoreProblem ServerLink::stops_problem() const {
+  if (!state_) return contract::StoreProblem::none;
+  return static_cast<contract::StoreProblem>(state_->as<const StateSegment>()->stops_problem.load(std::memory_order_relaxed));
+}
+
 bool ServerLink::newest(contract::TickRecord& record) const {
   return state_ && ring_newest(state_->as<const StateSegment>()->ticks, record);
 }

@@ -69,6 +69,8 @@ class ServerLink {
   [[nodiscard]] std::uint64_t params_sequence() const;
   // How far the core has come with storing them; false before its first look.
   bool store(contract::StoreReport& report) const;
+  // Why the core's newest stops are not stored; none when they are, and without a core.
+  [[nodiscard]] contract::StoreProblem stops_problem() const;
   bool newest(contract::TickRecord& record) const;
   // How punctual the core's loop is; false before its first second.
   bool loop(contract::LoopReport& report) const;

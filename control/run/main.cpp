@@ -46,36 +46,32 @@ std::uint64_t utc_ns() {
   return static_cast<std::uint64_t>(t.tv_sec) * 1'000'000'000U + static_cast<std::uint64_t>(t.tv_nsec);
 }
 
-// Loads the stops of earlier runs, and stores them when they have changed; what could not be stored is tried again with the next call.
+// Loads the stops of earlier runs, stores new ones, and tells the server and the journal when that fails.
 class StopKeeper {
  public:
   // `path` empty: nothing is kept.
-  explicit StopKeeper(std::string path) : path_(std::move(path)), boot_id_(run::boot_id()) {}
+  explicit StopKeeper(std::string path) : store_(std::move(path)) {}
 
   core::StopHistory load() const {
-    if (path_.empty()) return {};
-    const run::LoadedStops loaded = run::load_stop_file(path_, boot_id_, run::steady_ns());
+    const run::LoadedStops loaded = store_.load(run::steady_ns());
     if (!loaded.problem.empty())
       std::cerr << "hoist-control: " << loaded.problem
                 << "\n  How often the hoist has stopped is not known, so it starts out of service until an engineer releases it.\n";
     return loaded.history;
   }
 
-  void serve(const run::ControlLoop& loop) {
-    if (path_.empty()) return;
-    waiting_ = loop.read_stops(history_, seen_) || waiting_;
-    if (!waiting_) return;
-    const std::string problem = run::save_stop_file(path_, boot_id_, history_);
-    waiting_ = !problem.empty();
-    if (waiting_ && problem != told_) std::cerr << "hoist-control: stops not stored: " << problem << std::endl;
-    told_ = problem;
+  void serve(const run::ControlLoop& loop, publish::CoreLink& link) {
+    link.publish_stops_problem(store_.look(loop.read_stops(history_, seen_) ? &history_ : nullptr));
+    if (store_.problem() == told_) return;
+    told_ = store_.problem();
+    std::cerr << "hoist-control: " << (told_.empty() ? "stops are stored again" : "stops not stored: " + told_) << std::endl;
   }
 
  private:
-  std::string path_, boot_id_, told_;
+  run::StopStore store_;
+  std::string told_;
   core::StopHistory history_;
   std::uint64_t seen_ = 0;
-  bool waiting_ = false;
 };
 
 // Counts the control thread's page faults once a second: from its second second on, because the first steps touch pages for the first time.
@@ -166,13 +162,13 @@ void run_until_stopped(const Options& options, Prepared& prepared, run::Notifier
   while (!shared.ended.load()) {
     ports.serve();
     if (const std::string news = link.serve(100); !news.empty()) std::cout << "hoist-control: " << news << std::endl;
-    stops.serve(loop);
+    stops.serve(loop, link);
     page_faults.serve(loop, shared.id);
   }
   control.join();
   if (watchdog.joinable()) watchdog.join();
   store.join();
-  stops.serve(loop);
+  stops.serve(loop, link);
   ports.report_dropped();
 }
 }  // namespace

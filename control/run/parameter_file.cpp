@@ -82,7 +82,7 @@ void ParameterStore::store(const Values& kept, std::uint64_t sequence) {
     return;
   }
   synced_.reset();
-  report_.problem = saved.error == ENOSPC || saved.error == EDQUOT ? StoreProblem::disk_full : StoreProblem::failed;
+  report_.problem = store_problem(saved);
 }
 
 }  // namespace hoist::run

@@ -58,14 +58,14 @@ LoadedStops load_stop_file(const std::string& path, const std::string& boot_id, 
   return loaded;
 }
 
-std::string save_stop_file(const std::string& path, const std::string& boot_id, const core::StopHistory& history) {
+Saved save_stop_file(const std::string& path, const std::string& boot_id, const core::StopHistory& history) {
   json stops = json::array();
   for (std::size_t i = 0; i < std::min<std::size_t>(history.count, history.stops.size()); ++i) {
     const core::StopHistory::Stop& stop = history.stops[i];
     stops.push_back({{"fault", contract::fault_info(static_cast<contract::Fault>(stop.fault)).name}, {"time_ns", stop.time_ns}});
   }
   const json values = {{"boot_id", boot_id}, {"stops", std::move(stops)}, {"out_of_service", fault_names(history.out_of_service)}};
-  return save_values(path, values).problem;
+  return save_values(path, values);
 }
 
 std::string boot_id() {
@@ -73,6 +73,18 @@ std::string boot_id() {
   std::string id;
   std::getline(file, id);
   return id;
+}
+
+StopStore::StopStore(std::string path) : path_(std::move(path)), boot_id_(boot_id()) {}
+
+LoadedStops StopStore::load(std::uint64_t now_ns) const { return path_.empty() ? LoadedStops{} : load_stop_file(path_, boot_id_, now_ns); }
+
+contract::StoreProblem StopStore::look(const core::StopHistory* changed) {
+  if (path_.empty()) return contract::StoreProblem::none;
+  if (changed != nullptr) newest_ = *changed;
+  if (changed != nullptr || waiting_) saved_ = save_stop_file(path_, boot_id_, newest_);
+  waiting_ = !saved_.problem.empty();
+  return store_problem(saved_);
 }
 
 }  // namespace hoist::run

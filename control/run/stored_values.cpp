@@ -44,6 +44,12 @@ int write_synced(int fd, const std::string& text) {
 }
 }  // namespace
 
+contract::StoreProblem store_problem(const Saved& saved) {
+  using contract::StoreProblem;
+  if (saved.problem.empty()) return StoreProblem::none;
+  return saved.error == ENOSPC || saved.error == EDQUOT ? StoreProblem::disk_full : StoreProblem::failed;
+}
+
 Saved save_values(const std::string& path, const json& values) {
   const std::string text = json{{"product", "hoist"}, {"checksum", checksum(values)}, {"values", values}}.dump(1) + "\n";
   const std::string fresh = path + ".new";

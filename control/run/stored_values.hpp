@@ -3,12 +3,16 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "control/contract/shared_memory.hpp"
+
 namespace hoist::run {
 
 struct Saved {
   std::string problem;  // empty: file and folder are synced
   int error = 0;        // errno
 };
+/// The same for the server.
+contract::StoreProblem store_problem(const Saved& saved);
 /// The old file stays intact until the new one is on the disk.
 Saved save_values(const std::string& path, const nlohmann::json& values);
 

@@ -321,6 +321,12 @@ std::optional<contract::StoreProblem> CoreDesk::store_problem() const {
   return contract::StoreProblem::failed;
 }
 
+std::optional<contract::StoreProblem> CoreDesk::stops_problem() const {
+  const contract::StoreProblem problem = link_.stops_problem();
+  if (!connected_ || problem == contract::StoreProblem::none) return std::nullopt;
+  return problem;
+}
+
 void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& answered) {
   const auto got = events_.read(event_buffer_);
   for (std::size_t i = 0; i < got.count; ++i) {

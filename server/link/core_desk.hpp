@@ -111,6 +111,8 @@ class CoreDesk {
   [[nodiscard]] const contract::ParamsInForce& parameters() const { return parameters_; }
   // Why what is in force is not on the disk; nothing while it is, and while it may still be on its way.
   [[nodiscard]] std::optional<contract::StoreProblem> store_problem() const;
+  // Why the core's newest stops are not on the disk, so that a restart would forget them (H22); nothing while they are.
+  [[nodiscard]] std::optional<contract::StoreProblem> stops_problem() const;
   [[nodiscard]] bool has_parameters() const { return parameters_.version != 0; }
   [[nodiscard]] std::uint32_t lease_epoch() const { return lease_epoch_; }
   [[nodiscard]] std::uint32_t lease_holder() const { return lease_holder_; }

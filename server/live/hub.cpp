@@ -440,10 +440,13 @@ void Hub::poll(std::uint64_t now_ns) {
   }
   const std::uint64_t changes = services_->recorder.changes();
   const auto store_problem = services_->core.store_problem();
+  const auto stops_problem = services_->core.stops_problem();
   const auto slow_percent = services_->core.slow_time_percent();
-  if (changes != recording_changes_ || store_problem != store_problem_ || slow_percent != slow_percent_) {
+  if (changes != recording_changes_ || store_problem != store_problem_ || stops_problem != stops_problem_ ||
+      slow_percent != slow_percent_) {
     recording_changes_ = changes;
     store_problem_ = store_problem;
+    stops_problem_ = stops_problem;
     slow_percent_ = slow_percent;
     tell_recording();
   }

@@ -32,6 +32,7 @@ std::string filled(std::string_view text, int percent) {
 std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder, const Jobs& jobs) {
   std::vector<StandingNotice> notices;
   if (const auto problem = core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
+  if (const auto problem = core.stops_problem()) notices.push_back({NoticeName::stops_not_stored, store_detail(*problem)});
   if (const auto percent = core.slow_time_percent())
     notices.push_back({NoticeName::simulation_slow, "Simulated time over the last 2 s, in percent of real time.", *percent});
   const RecordingStatus recording = recorder.status();

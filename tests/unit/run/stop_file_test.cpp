@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -49,7 +50,7 @@ TEST_F(StopFile, AMissingFileIsAFirstStart) {
 TEST_F(StopFile, H22WhatWasStoredIsKnownAfterARestartOfTheProgram) {
   core::StopHistory history = two_stops();
   history.out_of_service = fault_bit(Fault::control_fault) | fault_bit(Fault::loop_overrun);
-  ASSERT_EQ(save_stop_file(path_, "a", history), "");
+  ASSERT_EQ(save_stop_file(path_, "a", history).problem, "");
   const LoadedStops loaded = load_stop_file(path_, "a", kNow_ns);
   EXPECT_TRUE(loaded.problem.empty()) << loaded.problem;
   ASSERT_EQ(loaded.history.count, 2U);
@@ -62,7 +63,7 @@ TEST_F(StopFile, H22WhatWasStoredIsKnownAfterARestartOfTheProgram) {
 
 // The steady clock restarts with the computer, and the wall clock may not be set: each stop counts as new.
 TEST_F(StopFile, H22AfterARestartOfTheComputerEachStopIsOneOfNow) {
-  ASSERT_EQ(save_stop_file(path_, "a", two_stops()), "");
+  ASSERT_EQ(save_stop_file(path_, "a", two_stops()).problem, "");
   for (const std::string boot : {"b", ""}) {
     const LoadedStops loaded = load_stop_file(path_, boot, 5);
     ASSERT_EQ(loaded.history.count, 2U);
@@ -72,7 +73,7 @@ TEST_F(StopFile, H22AfterARestartOfTheComputerEachStopIsOneOfNow) {
 }
 
 TEST_F(StopFile, H22ADamagedFilePutsTheHoistOutOfService) {
-  ASSERT_EQ(save_stop_file(path_, "a", two_stops()), "");
+  ASSERT_EQ(save_stop_file(path_, "a", two_stops()).problem, "");
   const std::string whole = text();
   std::size_t noticed = 0;
   for (std::size_t cut = 0; cut + 2 < whole.size(); ++cut) {
@@ -91,7 +92,19 @@ TEST_F(StopFile, H22ADamagedFilePutsTheHoistOutOfService) {
   }
 }
 
-TEST_F(StopFile, WhatCannotBeWrittenIsSaid) { EXPECT_NE(save_stop_file("/nowhere/at/all", "a", {}), ""); }
+TEST_F(StopFile, H22WhatCannotBeWrittenIsToldAndTriedAgain) {
+  const std::string path = folder_.file("later/stops.json");
+  StopStore store(path);
+  EXPECT_EQ(store.look(nullptr), contract::StoreProblem::none) << "nothing has changed";
+  const core::StopHistory two = two_stops();
+  EXPECT_EQ(store.look(&two), contract::StoreProblem::failed);
+  EXPECT_NE(store.problem().find(path), std::string::npos);
+  EXPECT_EQ(store.look(nullptr), contract::StoreProblem::failed) << "still";
+  std::filesystem::create_directory(folder_.file("later"));
+  EXPECT_EQ(store.look(nullptr), contract::StoreProblem::none);
+  EXPECT_EQ(store.problem(), "");
+  EXPECT_EQ(store.load(kNow_ns).history.count, 2U);
+}
 
 // End to end: three losses of one sensor, with a restart of the program in between, as hoist-control stores and loads them.
 TEST_F(StopFile, H22TheThirdStopIsTheLastAlsoAfterARestart) {
@@ -106,7 +119,7 @@ TEST_F(StopFile, H22TheThirdStopIsTheLastAlsoAfterARestart) {
     for (int i = 0; i < 300; ++i) {
       hoist.step();
       if (hoist.out.stops_changed) {
-        ASSERT_EQ(save_stop_file(path_, "a", core::stop_history(hoist.state)), "");
+        ASSERT_EQ(save_stop_file(path_, "a", core::stop_history(hoist.state)).problem, "");
       }
     }
     EXPECT_EQ(hoist.state.mode, run < 2 ? contract::Mode::protective_stop : contract::Mode::fault) << run;

@@ -288,6 +288,7 @@ void FakeCore::hold_store(bool on, StoreProblem problem) {
   store_held_ = on;
   store_.problem = problem;
 }
+void FakeCore::refuse_stops(StoreProblem problem) { link_->publish_stops_problem(problem); }
 void FakeCore::publish_event(Event event) {
   const std::lock_guard lock(mutex_);
   events_.push_back(event);

@@ -32,6 +32,7 @@ class FakeCore {
   void publish_loop(const contract::LoopReport& report);
   // While held, changed parameters are in force and not stored; with a problem the disk has refused them.
   void hold_store(bool on, contract::StoreProblem problem = contract::StoreProblem::none);
+  void refuse_stops(contract::StoreProblem problem);
   // The bus behind it: each step gives the frames of service that were accepted and takes what nodes say.
   using Bus = std::function<std::vector<contract::CanFrame>(const std::vector<contract::CanFrame>&)>;
   void set_bus(Bus bus);

@@ -389,6 +389,17 @@ TEST_F(Rest, ADiskThatDoesNotAnswerIsToldAfterASecond) {
   EXPECT_EQ(get("/api/v1/status").json()["notices"][0]["name"], "settings_not_stored");
 }
 
+// H22: a hoist that is switched off before its third stop is stored walks again.
+TEST_F(Rest, H22StopsThatTheDiskRefusesAreSaid) {
+  const auto notices = [this] { return get("/api/v1/status").json()["notices"]; };
+  core_->refuse_stops(contract::StoreProblem::disk_full);
+  ASSERT_EQ(notices().size(), 1U);
+  EXPECT_EQ(notices()[0]["name"], "stops_not_stored");
+  EXPECT_EQ(notices()[0]["detail"], "The disk of the settings is full.");
+  core_->refuse_stops(contract::StoreProblem::none);
+  EXPECT_TRUE(notices().empty());
+}
+
 TEST_F(Rest, Presets) {
   EXPECT_EQ(get("/api/v1/presets").json()["items"].size(), contract::kPresets.size());
   EXPECT_EQ(call("POST", "/api/v1/presets/paper/apply", json::object()).status, 200);
