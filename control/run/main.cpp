@@ -53,6 +53,8 @@ class StopKeeper {
   explicit StopKeeper(std::string path) : store_(std::move(path)) {}
 
   core::StopHistory load() const {
+    if (!store_.keeps_times())
+      std::cerr << "hoist-control: the boot id is unknown: each restart of this program counts earlier stops as new\n";
     const run::LoadedStops loaded = store_.load(run::steady_ns());
     if (!loaded.problem.empty())
       std::cerr << "hoist-control: " << loaded.problem

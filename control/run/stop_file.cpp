@@ -1,6 +1,7 @@
 #include "control/run/stop_file.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -69,9 +70,14 @@ Saved save_stop_file(const std::string& path, const std::string& boot_id, const 
 }
 
 std::string boot_id() {
-  std::ifstream file("/proc/sys/kernel/random/boot_id");
   std::string id;
-  std::getline(file, id);
+  if (const char* told = std::getenv("HOIST_BOOT_ID")) {
+    id = told;
+  } else {
+    std::ifstream file("/proc/sys/kernel/random/boot_id");
+    std::getline(file, id);
+  }
+  std::erase(id, '-');  // the kernel writes it with dashes, the service manager without
   return id;
 }
 

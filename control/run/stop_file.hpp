@@ -19,7 +19,7 @@ LoadedStops load_stop_file(const std::string& path, const std::string& boot_id, 
 /// The old file stays intact until the new one and its name are on the disk.
 Saved save_stop_file(const std::string& path, const std::string& boot_id, const core::StopHistory& history);
 
-/// Of this start of the computer; empty when unknown.
+/// Of this start of the computer; empty when unknown. From HOIST_BOOT_ID, which the unit sets, because its sandbox hides the kernel's file.
 std::string boot_id();
 
 /// Brings the newest stops to the disk. One thread uses it, which may wait for the disk.
@@ -28,6 +28,8 @@ class StopStore {
   /// `path` empty: nothing is kept.
   explicit StopStore(std::string path);
   [[nodiscard]] LoadedStops load(std::uint64_t now_ns) const;
+  /// Whether a restart of the program alone keeps the times of the stops; without it each stop counts as new then.
+  [[nodiscard]] bool keeps_times() const { return path_.empty() || !boot_id_.empty(); }
   /// Stores `changed`, if there is a change; what could not be stored is tried again with each call. Returns why the newest is not stored.
   contract::StoreProblem look(const core::StopHistory* changed);
   /// The same for people.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -70,6 +71,22 @@ TEST_F(StopFile, H22AfterARestartOfTheComputerEachStopIsOneOfNow) {
     EXPECT_EQ(loaded.history.stops[0].time_ns, 5);
     EXPECT_EQ(loaded.history.stops[1].time_ns, 5);
   }
+}
+
+// The unit's sandbox hides /proc/sys; without an id each restart of the program would count all stops as new.
+TEST_F(StopFile, H22TheInstalledProgramKnowsTheBoot) {
+  std::ifstream unit(std::string(HOIST_SOURCE_DIR) + "/deploy/systemd/hoist-control.service");
+  const std::string service{std::istreambuf_iterator<char>(unit), {}};
+  EXPECT_NE(service.find("\nEnvironment=HOIST_BOOT_ID=%b\n"), std::string::npos);
+  ::unsetenv("HOIST_BOOT_ID");
+  const std::string of_kernel = boot_id();
+  EXPECT_EQ(of_kernel.size(), 32U) << of_kernel;
+  ASSERT_EQ(::setenv("HOIST_BOOT_ID", "0123456789abcdef0123456789abcdef", 1), 0);
+  EXPECT_EQ(boot_id(), "0123456789abcdef0123456789abcdef");
+  EXPECT_TRUE(StopStore(path_).keeps_times());
+  ASSERT_EQ(::setenv("HOIST_BOOT_ID", "", 1), 0);
+  EXPECT_FALSE(StopStore(path_).keeps_times());
+  ::unsetenv("HOIST_BOOT_ID");
 }
 
 TEST_F(StopFile, H22ADamagedFilePutsTheHoistOutOfService) {
