@@ -41,6 +41,8 @@ class CanPort {
   [[nodiscard]] virtual const PortCounters& counters() const noexcept = 0;
   // Why up() is false, as half a sentence for people; empty while it is true. The text is static, and any thread may call this.
   [[nodiscard]] virtual const char* problem() const noexcept { return ""; }
+  // What about the device should be set otherwise although frames pass, in the same form.
+  [[nodiscard]] virtual const char* remark() const noexcept { return ""; }
 };
 
 // Receive filter: the core gets data frames with 11-bit ids only, tools get everything.

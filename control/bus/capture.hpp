@@ -83,6 +83,7 @@ class CapturePort final : public CanPort {
   [[nodiscard]] bool up() const noexcept override { return port_->up(); }
   [[nodiscard]] const PortCounters& counters() const noexcept override { return port_->counters(); }
   [[nodiscard]] const char* problem() const noexcept override { return port_->problem(); }
+  [[nodiscard]] const char* remark() const noexcept override { return port_->remark(); }
   [[nodiscard]] const Capture& capture() const noexcept { return *capture_; }
 
  private:

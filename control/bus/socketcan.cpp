@@ -120,6 +120,10 @@ void SocketCanPort::open_socket(std::uint64_t now_ns) noexcept {
   if (ever_open_) ++counters_.reopened;
   ever_open_ = true;
   set_state(BusState::active);
+  std::memcpy(request.ifr_name, name_.data(), name_.size());
+  const bool long_queue = ::ioctl(fd_, SIOCGIFTXQLEN, &request) == 0 && request.ifr_qlen > kQueueFrames;
+  static_assert(kQueueFrames == 12, "as the text says");
+  remark_ = long_queue ? "the interface may hold more than 12 frames, so that commands leave late: set txqueuelen 12" : "";
   look_at_link(now_ns);
 }
 
@@ -144,6 +148,10 @@ void SocketCanPort::look_at_link(std::uint64_t now_ns) noexcept {
   std::memcpy(request.ifr_name, name_.data(), name_.size());
   if (::ioctl(fd_, SIOCGIFFLAGS, &request) != 0) return close_socket(now_ns, "there is no such interface");
   if ((request.ifr_flags & IFF_UP) == 0) return on_link_down(now_ns);
+  if ((request.ifr_flags & IFF_RUNNING) == 0) {
+    link_up_ = false;
+    return set_state(BusState::off);
+  }
   link_up_ = true;
   // Bringing a link up restarts its controller.
   set_state(BusState::active);

@@ -6,7 +6,8 @@
 //   transmit queue full  write says ENOBUFS while poll still says writable: the rest is dropped and counted, never retried,
 //                        because a command of the previous step is stale
 //   slow reader          the kernel drops frames silently: a receive buffer of 1 MiB, and SO_RXQ_OVFL counts losses
-//   bus-off              an error frame; up() is false until CAN_ERR_RESTARTED, "active again", or the link has been down and up
+//   bus-off              an error frame; up() is false until CAN_ERR_RESTARTED, "active again", or the link has been down and up.
+//                        A socket that is opened later gets no error frame, but the carrier is off (no IFF_RUNNING)
 #pragma once
 #include <linux/can.h>
 #include <sys/socket.h>
@@ -34,6 +35,7 @@ class SocketCanPort final : public CanPort {
   [[nodiscard]] bool up() const noexcept override { return fd_ >= 0 && link_up_ && counters_.state != BusState::off; }
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
   [[nodiscard]] const char* problem() const noexcept override { return problem_.load(std::memory_order_relaxed); }
+  [[nodiscard]] const char* remark() const noexcept override { return remark_.load(std::memory_order_relaxed); }
 
   // Handles one error frame of the kernel. Public for tests: kernels and drivers send different ones.
   void on_error_frame(const can_frame& frame) noexcept;
@@ -46,7 +48,10 @@ class SocketCanPort final : public CanPort {
   static constexpr std::uint64_t kRetryNs = 200'000'000;  // looking for an interface that went away or is down
   static constexpr std::size_t kBatch = 32;               // frames in one system call; a full bus brings 23 in a step
   static constexpr std::size_t kBatchesPerStep = 16;      // bounds the work of one step even on a flood
-  static constexpr int kReceiveBytes = 1 << 20;           // about 1300 frames; the default holds 278 (measured)
+  // Longest queue of the interface (txqueuelen): two steps with all that the core sends to running nodes in one (two drive commands, heartbeat,
+  // relay, one SDO request, SYNC). What waits in a longer one on a disturbed bus is older than the drives' deadline.
+  static constexpr int kQueueFrames = 12;
+  static constexpr int kReceiveBytes = 1 << 20;  // about 1300 frames; the default holds 278 (measured)
 
  private:
   void open_socket(std::uint64_t now_ns) noexcept;
@@ -65,7 +70,7 @@ class SocketCanPort final : public CanPort {
   std::uint64_t deadline_ns_ = 0;  // next try to open, or next look at a link that is down
   std::uint32_t kernel_drops_ = 0;
   PortCounters counters_;
-  std::atomic<const char*> problem_{"not opened yet"};
+  std::atomic<const char*> problem_{"not opened yet"}, remark_{""};
   std::array<can_frame, kBatch> batch_{};
   std::array<iovec, kBatch> vectors_{};
   std::array<mmsghdr, kBatch> messages_{};

@@ -64,6 +64,10 @@ void PortReporter::serve() {
     bus_problem_ = now;
     std::cout << "hoist-control: bus: " << (now.empty() ? "up" : now) << std::endl;
   }
+  if (const std::string_view now = ports_.port->remark(); now != bus_remark_) {
+    bus_remark_ = now;
+    if (!now.empty()) std::cout << "hoist-control: bus: " << now << std::endl;
+  }
   if (ports_.inputs != nullptr)
     if (const std::string_view now = ports_.inputs->input_problem(); now != input_problem_) {
       input_problem_ = now;

@@ -34,7 +34,7 @@ class PortReporter {
  private:
   const Ports& ports_;
   const Options& options_;
-  std::string_view bus_problem_;
+  std::string_view bus_problem_, bus_remark_;
   std::optional<std::string_view> input_problem_;  // none reported yet: a device that answers at once is reported, too
   bool capture_failed_ = false;
 };

@@ -272,6 +272,37 @@ TEST_F(SocketCan, BusOffEndsWhenTheLinkWasDownAndUp) {
   EXPECT_TRUE(port.up());
 }
 
+// The error frame came before this program was started: only the carrier tells.
+TEST_F(SocketCan, AControllerThatIsOffTheBusIsNotTakenForOneThatIsUp) {
+  ASSERT_EQ(run("ip link set hoist0 state dormant"), 0);  // as a carrier that is off, which vcan cannot have
+  receive();
+  EXPECT_FALSE(port.up());
+  EXPECT_EQ(port.counters().state, BusState::off);
+  EXPECT_EQ(port.counters().bus_offs, 1U);
+  EXPECT_NE(std::string(port.problem()).find("bus-off"), std::string::npos);
+  EXPECT_EQ(port.send(kCommand, now_ns), 0U);
+  now_ns += SocketCanPort::kRetryNs;
+  receive();
+  EXPECT_EQ(port.counters().bus_offs, 1U) << "still the same";
+  ASSERT_EQ(run("ip link set hoist0 state up"), 0);
+  now_ns += SocketCanPort::kRetryNs;
+  receive();
+  EXPECT_TRUE(port.up());
+  EXPECT_EQ(port.counters().state, BusState::active);
+  EXPECT_STREQ(port.problem(), "");
+}
+
+TEST_F(SocketCan, AQueueOfOldCommandsIsTold) {
+  EXPECT_STREQ(port.remark(), "");
+  open();
+  EXPECT_NE(std::string(port.remark()).find("txqueuelen 12"), std::string::npos) << "vcan may hold 1000 frames";
+  ASSERT_EQ(run("ip link set hoist0 txqueuelen " + std::to_string(SocketCanPort::kQueueFrames)), 0);
+  SocketCanPort again("hoist0", PortUse::core);
+  again.receive(frames, now_ns);
+  EXPECT_TRUE(again.up());
+  EXPECT_STREQ(again.remark(), "");
+}
+
 TEST_F(SocketCan, ErrorReportsAreCountedAndStatesFollowed) {
   open();
   Peer peer("hoist0");

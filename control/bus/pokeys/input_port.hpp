@@ -37,6 +37,7 @@ class InputPort final : public CanPort {
   [[nodiscard]] bool up() const noexcept override { return port_->up(); }
   [[nodiscard]] const PortCounters& counters() const noexcept override { return counters_; }
   [[nodiscard]] const char* problem() const noexcept override { return port_->problem(); }
+  [[nodiscard]] const char* remark() const noexcept override { return port_->remark(); }
   // The error of the inputs; empty while they work. Any thread may call this.
   [[nodiscard]] const char* input_problem() const noexcept { return input_problem_.load(std::memory_order_relaxed); }
   // Frames of a second input node on the bus that were refused.

@@ -10,6 +10,8 @@
 
 #include <array>
 #include <cerrno>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -507,6 +509,16 @@ TEST(OpenPort, RefusesAnInterfaceNameThatCannotBe) {
   } else {
     EXPECT_EQ(port, nullptr);
     EXPECT_EQ(error, SocketCanPort::kernel_problem());
+  }
+}
+
+TEST(OpenPort, TheQueueThatIsPrescribedHoldsTwoSteps) {
+  const std::string wanted = "txqueuelen " + std::to_string(SocketCanPort::kQueueFrames);
+  for (const char* file : {"/control/bus/README.md", "/firmware/HARDWARE.md"}) {
+    std::ifstream in(std::string(HOIST_SOURCE_DIR) + file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(text.find(wanted), std::string::npos) << file;
+    EXPECT_EQ(text.find("txqueuelen "), text.rfind("txqueuelen ")) << file;
   }
 }
 
