@@ -162,6 +162,13 @@ void CoreLink::detach() {
   command_.reset();
 }
 
+// A server tries ten times a second: the same refusal is told once.
+std::string CoreLink::refused(const std::string& why) {
+  if (why == refusal_) return {};
+  refusal_ = why;
+  return "server refused: " + why;
+}
+
 std::string CoreLink::serve(int timeout_ms) {
   if (std::string news = mend_socket(); !news.empty()) return news;
   pollfd wait[2] = {{listener_.get(), POLLIN, 0}, {peer_.get(), POLLIN, 0}};
@@ -185,7 +192,7 @@ std::string CoreLink::serve(int timeout_ms) {
     error = "the server runs as another user";
   } else if (!receive_hello(peer.get(), hello, command_fd, 500, error)) {
     // error is set; a core that only probes whether we are alive closes at once and ends here too
-    return error == "the other side closed the connection" ? std::string() : "server refused: " + error;
+    return error == "the other side closed the connection" ? std::string() : refused(error);
   } else if (hello.magic != contract::kCommandMagic || hello.layout_hash != contract::layout_hash()) {
     error = "core and server are different builds: restart both from the same build";
   } else if (peer_) {
@@ -195,15 +202,16 @@ std::string CoreLink::serve(int timeout_ms) {
     answer.accepted = 1;
     if (!send_hello(peer.get(), answer, state_.descriptor.get(), error)) {
       detach();
-      return "server refused: " + error;
+      return refused(error);
     }
     peer_ = std::move(peer);
+    refusal_.clear();
     return "server attached";
   }
   std::strncpy(answer.text, error.c_str(), sizeof answer.text - 1);
   std::string ignored;
   send_hello(peer.get(), answer, -1, ignored);
-  return "server refused: " + error;
+  return refused(error);
 }
 
 }  // namespace hoist::publish

@@ -68,13 +68,14 @@ class CoreLink {
   bool listen(std::string& error);
   [[nodiscard]] bool owns_path() const;
   std::string mend_socket();
+  std::string refused(const std::string& why);
   [[nodiscard]] contract::StateSegment& state() const { return *state_.mapping->as<contract::StateSegment>(); }
 
   OwnedSegment state_;
   std::string socket_path_;
   Descriptor listener_, peer_;
   std::uint64_t socket_device_ = 0, socket_inode_ = 0;  // of the socket that this core made at socket_path_
-  std::string socket_problem_;                          // as told last
+  std::string socket_problem_, refusal_;                // as told last
   std::shared_ptr<Mapping> command_;                    // helper thread's hold on the attached segment
 
   // The swap: the helper publishes a pointer and waits until the control thread is not inside begin()..end() before it unmaps.

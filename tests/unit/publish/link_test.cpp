@@ -13,6 +13,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "control/publish/core_link.hpp"
 #include "control/publish/server_link.hpp"
@@ -143,6 +144,39 @@ TEST(Link, ASecondServerIsRefusedWithAReason) {
   EXPECT_EQ(second.problem(), LinkProblem::taken);
   EXPECT_EQ(first.problem(), LinkProblem::none);
   EXPECT_TRUE(first.poll_connect());
+}
+
+// It asks ten times a second; a log of the same line hides what matters.
+TEST(Link, ARefusalIsToldOnceUntilAServerIsAttached) {
+  const std::string path = temporary_socket();
+  std::string error;
+  const auto core = CoreLink::create(path, 1, 5, error);
+  ASSERT_TRUE(core) << error;
+  std::vector<std::string> told;
+  const auto meet = [&](ServerLink& server, std::size_t lines) {
+    server.poll_connect();
+    for (std::size_t i = 0; told.size() < lines && i < 3; ++i)
+      if (const std::string news = core->serve(5); !news.empty()) told.push_back(news);
+    server.poll_connect();
+  };
+  ServerLink first(path);
+  meet(first, 1);
+  ASSERT_TRUE(first.attached());
+  for (int i = 0; i < 3; ++i) {
+    ServerLink second(path);  // a new one each time, because one asks only every 100 ms
+    meet(second, 9);
+    EXPECT_EQ(second.problem(), LinkProblem::taken);
+  }
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[1], "server refused: another server is attached");
+  first = ServerLink("");
+  core->serve(5);
+  ServerLink third(path), fourth(path);
+  meet(third, 3);
+  ASSERT_TRUE(third.attached());
+  meet(fourth, 4);
+  EXPECT_EQ(told.back(), "server refused: another server is attached") << "after a change it is news again";
+  EXPECT_EQ(told.size(), 4U);
 }
 
 // The core lives on and is found again by a server that comes later.
