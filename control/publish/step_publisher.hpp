@@ -26,10 +26,11 @@ class StepPublisher {
     next_image_ = step_ + kImageSteps;
   }
 
-  /// After the step. The record goes last: a reader that has it finds everything else of its step.
-  void after(const core::TickInputs& inputs, const core::TickOutputs& outputs) noexcept {
+  /// After the step, of whose frames the bus took the first `sent`: one that did not leave is not in a recording. The record goes last: a
+  /// reader that has it finds everything else of its step.
+  void after(const core::TickInputs& inputs, const core::TickOutputs& outputs, std::size_t sent) noexcept {
     frames(inputs.frames, inputs.time_ns, 0);
-    frames({outputs.frames.data(), outputs.frames.size()}, inputs.time_ns, 1);
+    frames({outputs.frames.data(), sent}, inputs.time_ns, 1);
     for (const contract::Command& command : inputs.commands) link_.publish_journal(contract::JournalCommand{step_, command});
     link_.publish_journal(journal_of(inputs, step_++, digest_of(outputs.record)));
     for (const contract::Event& event : outputs.events) link_.publish_event(event);

@@ -61,10 +61,10 @@ void ControlLoop::step(const Step& step) noexcept {
   publisher_.before(state_, inputs);
   core::tick(state_, inputs, core::kTick_s, outputs_);
 
-  port_.send({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns);
+  const std::size_t sent = port_.send({outputs_.frames.data(), outputs_.frames.size()}, step.time_ns);
   if (outputs_.params_changed) publish_params();
   if (outputs_.stops_changed) publish::seq_write(stops_, stops_written_++, core::stop_history(state_));
-  publisher_.after(inputs, outputs_);
+  publisher_.after(inputs, outputs_, sent);
 }
 
 bool ControlLoop::read_stops(core::StopHistory& history, std::uint64_t& seen) const noexcept {

@@ -69,7 +69,7 @@ TEST(Rerun, ARecordingBegunByHandCanBeRunAgainFromItsFirstSample) {
   tests::ClosedLoop loop({});
   loop.on_inputs([&](const core::TickInputs& inputs) { publisher.before(loop.core(), inputs); });
   loop.on_step([&](const core::TickInputs& inputs, const core::TickOutputs& outputs) {
-    publisher.after(inputs, outputs);
+    publisher.after(inputs, outputs, outputs.frames.size());
     now_ns = inputs.time_ns;
     if (++steps % 5 == 0) recorder.pass_here();
   });
