@@ -67,6 +67,23 @@ std::string apply_set(contract::Params& params, const std::string& assignment) {
   return {};
 }
 
+// Full lean below hanging and falls, as where a value is changed: of rows that are as stored nothing is asked (contract::kParamRooms).
+std::string missing_room(const StartParams& params) {
+  const auto changed = [&params](contract::ParamName name) {
+    const std::size_t row = contract::param_index(name);
+    return contract::get_param(params.in_force, row) != contract::get_param(params.stored, row);
+  };
+  for (const contract::ParamRoom& room : contract::kParamRooms) {
+    if (contract::leaves_room(room, params.in_force) || (!changed(room.smaller) && !changed(room.larger))) continue;
+    char text[200];
+    const std::string smaller(contract::kParams[contract::param_index(room.smaller)].name);
+    const std::string larger(contract::kParams[contract::param_index(room.larger)].name);
+    std::snprintf(text, sizeof text, "%s must be at least %g below %s", smaller.c_str(), room.room, larger.c_str());
+    return text;
+  }
+  return {};
+}
+
 Failure load_stored(const std::string& file, contract::Params& params) {
   if (file.empty()) return {};
   const LoadedParams loaded = load_parameter_file(file);
@@ -125,6 +142,7 @@ Failure load_start_params(const Options& options, StartParams& params) {
   for (const std::string& assignment : options.set)
     if (std::string problem = apply_set(params.in_force, assignment); !problem.empty()) return {kBadArguments, std::move(problem)};
   if (const char* conflict = contract::check_param_set(params.in_force)) return {kBadArguments, conflict};
+  if (std::string conflict = missing_room(params); !conflict.empty()) return {kBadArguments, std::move(conflict)};
   return {};
 }
 

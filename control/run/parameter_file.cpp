@@ -1,10 +1,29 @@
 #include "control/run/parameter_file.hpp"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 namespace hoist::run {
 using nlohmann::json;
+
+namespace {
+std::string outside(std::size_t index, const json& value) {
+  const contract::ParamInfo& info = contract::kParams[index];
+  char text[200];
+  std::snprintf(text, sizeof text, "stored parameter %.*s is %s, not a number from %g to %g %.*s; its default %g holds",
+                static_cast<int>(info.name.size()), info.name.data(), value.dump().substr(0, 40).c_str(), info.min, info.max,
+                static_cast<int>(info.unit.size()), info.unit.data(), contract::get_param(contract::Params{}, index));
+  return text;
+}
+
+// A default that takes the place of a machine's own value was never measured or checked there.
+void forget_calibration(LoadedParams& loaded) {
+  for (std::size_t i = 0; i < contract::kParamCount; ++i)
+    if (contract::kParams[i].name.starts_with("calibrated_")) contract::set_param_unchecked(loaded.params, i, 0.0);
+  loaded.remarks.push_back("the calibration no longer counts: check these parameters, then calibrate and check the parts again");
+}
+}  // namespace
 
 LoadedParams load_parameter_file(const std::string& path) {
   LoadedParams loaded;
@@ -12,6 +31,7 @@ LoadedParams load_parameter_file(const std::string& path) {
   loaded.problem = stored.problem;
   loaded.usable = stored.missing;
   if (stored.missing || !stored.problem.empty()) return loaded;
+  bool calibrated = true;
   for (const auto& [name, value] : stored.values.items()) {
     const auto index = contract::find_param(name);
     if (!index) {
@@ -20,11 +40,13 @@ LoadedParams load_parameter_file(const std::string& path) {
     }
     const double number = value.is_number() ? value.get<double>() : 0.0;
     if (!value.is_number() || contract::check_param(*index, number) != contract::ParamCheck::ok) {
-      loaded.remarks.push_back("stored parameter " + name + " is outside its range and stays at its default");
+      loaded.remarks.push_back(outside(*index, value));
+      calibrated = false;
       continue;
     }
     contract::set_param_unchecked(loaded.params, *index, number);
   }
+  if (!calibrated) forget_calibration(loaded);
   if (const char* conflict = contract::check_param_set(loaded.params)) {
     loaded.problem = path + ": " + conflict;
     loaded.params = contract::Params{};

@@ -16,7 +16,7 @@ struct LoadedParams {
   contract::Params params;  // defaults for missing values
   bool usable = false;      // false: the file exists and must not be used; `problem` says why
   std::string problem;
-  std::vector<std::string> remarks;  // unknown names, values out of range that were left at their default
+  std::vector<std::string> remarks;  // unknown names; values out of range, whose default holds and calibration does not
 };
 // A missing file is a first start: defaults, usable.
 LoadedParams load_parameter_file(const std::string& path);

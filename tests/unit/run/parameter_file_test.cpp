@@ -1,4 +1,5 @@
 #include "control/run/parameter_file.hpp"
+#include "control/run/options.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <fcntl.h>
@@ -90,15 +91,42 @@ TEST_F(ParameterFile, AnEditedOrCutFileIsNotUsed) {
   }
 }
 
-TEST_F(ParameterFile, AValueOutsideItsRangeStaysAtItsDefaultAndIsNamed) {
+// The default was never measured at this machine: what was checked with the old value counts no more.
+TEST_F(ParameterFile, AValueOutsideItsRangeIsNamedAndTakesTheCalibrationWithIt) {
   contract::Params params;
   params.track_width_m = 99;  // as an older version with a wider range may have stored it
+  params.left_alpha_zero_rad = 0.01;
+  params.calibrated_zero_s = params.calibrated_bumpers_s = 1.7e9;
+  params.calibrated_nodes_id = 5;
   ASSERT_EQ(save_parameter_file(path, params).problem, "");
   const LoadedParams loaded = load_parameter_file(path);
   ASSERT_TRUE(loaded.usable);
   EXPECT_EQ(loaded.params.track_width_m, contract::Params{}.track_width_m);
-  ASSERT_EQ(loaded.remarks.size(), 1U);
-  EXPECT_NE(loaded.remarks[0].find("track_width_m"), std::string::npos);
+  EXPECT_EQ(loaded.params.left_alpha_zero_rad, 0.01);
+  EXPECT_EQ(loaded.params.calibrated_zero_s, 0);
+  EXPECT_EQ(loaded.params.calibrated_bumpers_s, 0);
+  EXPECT_EQ(loaded.params.calibrated_nodes_id, 0);
+  ASSERT_EQ(loaded.remarks.size(), 2U);
+  EXPECT_EQ(loaded.remarks[0], "stored parameter track_width_m is 99.0, not a number from 0.3 to 1.2 m; its default 0.7 holds");
+  EXPECT_NE(loaded.remarks[1].find("calibration"), std::string::npos);
+}
+
+TEST_F(ParameterFile, StartValuesKeepFullLeanBelowHangingAndFalls) {
+  Options options;
+  options.params = path;
+  StartParams start;
+  options.set = {"lean_range_rad=0.26"};
+  const Failure refused = load_start_params(options, start);
+  EXPECT_EQ(refused.exit_code, kBadArguments);
+  EXPECT_NE(refused.text.find("lean_range_rad"), std::string::npos) << refused.text;
+  EXPECT_NE(refused.text.find("hang_tilt_rad"), std::string::npos) << refused.text;
+  // A machine that keeps older values goes on with them, and with what they do not concern.
+  contract::Params old;
+  old.lean_range_rad = 0.26;
+  ASSERT_EQ(save_parameter_file(path, old).problem, "");
+  options.set = {"speed_cap_norm=0.5", "lean_range_rad=0.26"};
+  EXPECT_FALSE(load_start_params(options, start)) << load_start_params(options, start).text;
+  EXPECT_EQ(start.in_force.speed_cap_norm, 0.5);
 }
 
 TEST_F(ParameterFile, AContradictorySetIsNotUsed) {
