@@ -53,12 +53,12 @@ class Adapter {
   Adapter& operator=(const Adapter&) = delete;
   [[nodiscard]] const std::string& device() const { return device_; }
 
-  // Reads the `written` characters of the core's last step and answers. Returns when the answer can be read, because the kernel delivers
-  // characters of a pseudo-terminal asynchronously.
+  // Reads the `written` characters of the core's last step, and what it wrote before it was traced, and answers. Returns when the answer
+  // can be read, because the kernel delivers characters of a pseudo-terminal asynchronously.
   void serve(std::size_t written) {
     std::string answer;
     std::array<char, 4096> text{};
-    while (written > 0 && wait_for(far_)) {
+    while (wait_for(far_, written > 0 ? kPatience_ms : 0)) {
       const ssize_t got = ::read(far_, text.data(), text.size());
       if (got <= 0) continue;
       written -= std::min(written, static_cast<std::size_t>(got));
@@ -72,13 +72,13 @@ class Adapter {
     }
     ASSERT_EQ(::write(far_, answer.data(), answer.size()), static_cast<ssize_t>(answer.size()));
     for (int ready = 0; ready < static_cast<int>(answer.size()); ::sched_yield())
-      if (!wait_for(near_) || ::ioctl(near_, TIOCINQ, &ready) != 0) return;
+      if (!wait_for(near_, kPatience_ms) || ::ioctl(near_, TIOCINQ, &ready) != 0) return;
   }
 
  private:
-  static bool wait_for(int fd) {
+  static bool wait_for(int fd, int patience_ms) {
     pollfd wait{fd, POLLIN, 0};
-    return ::poll(&wait, 1, kPatience_ms) == 1;
+    return ::poll(&wait, 1, patience_ms) == 1;
   }
   contract::CanFrame any_frame() {
     constexpr std::array<std::uint32_t, 8> kIds{0x181, 0x182, 0x191, 0x192, 0x193, 0x701, 0x711, 0x581};
