@@ -31,7 +31,7 @@ def slcand_drives_the_kernel_behind_our_gateway():
         terminal = os.path.realpath(hoist.path("can"))
         slcand = Program(hoist.folder, "slcand", "slcand", "-o", "-c", "-s5", "-S", "1000000", "-F", terminal, "slcan0")
         until("slcan0 exists", lambda: os.path.exists("/sys/class/net/slcan0"))
-        run("ip", "link", "set", "slcan0", "txqueuelen", "64", "up")
+        run("ip", "link", "set", "slcan0", "txqueuelen", "12", "up")
         hoist.start_core()
         hoist.start_server()
         hoist.nodes_run()
@@ -45,7 +45,7 @@ def slcand_drives_the_kernel_behind_our_gateway():
         # And put back.
         slcand = Program(hoist.folder, "slcand", "slcand", "-o", "-c", "-s5", "-S", "1000000", "-F", terminal, "slcan0")
         until("slcan0 exists", lambda: os.path.exists("/sys/class/net/slcan0"))
-        run("ip", "link", "set", "slcan0", "txqueuelen", "64", "up")
+        run("ip", "link", "set", "slcan0", "txqueuelen", "12", "up")
         hoist.nodes_run()
 
     try:
