@@ -84,7 +84,8 @@ bool Tty::set_up_line() const noexcept {
   ::cfmakeraw(&wanted);
   wanted.c_cflag |= CLOCAL | CREAD | CRTSCTS;  // a pty ignores the handshake; a real gateway needs it at 1 Mbaud
   wanted.c_cflag &= static_cast<tcflag_t>(~CSTOPB);
-  wanted.c_cc[VMIN] = 1;  // a read of zero bytes is then always a line that was hung up
+  wanted.c_iflag |= INPCK;  // a character with a wrong stop bit reads as NUL, which the decoder drops with its line (firmware DECISIONS 52)
+  wanted.c_cc[VMIN] = 1;    // a read of zero bytes is then always a line that was hung up
   wanted.c_cc[VTIME] = 0;
   if (::cfsetspeed(&wanted, baud->code) != 0 || ::tcsetattr(fd_, TCSANOW, &wanted) != 0 || ::tcgetattr(fd_, &got) != 0) return false;
   if (::cfgetospeed(&got) != baud->code || (got.c_lflag & (ICANON | ECHO)) != 0) return false;

@@ -38,7 +38,7 @@ void Storage::core_started(std::uint64_t time_ns) {
 
 void Storage::publish(const core::TickInputs& inputs, const core::TickOutputs& outputs) {
   const contract::TickRecord& record = outputs.record;
-  publisher_->after(inputs, outputs);
+  publisher_->after(inputs, outputs, outputs.frames.size());
   published_[life_].push_back({record.tick, record.time_ns, record.x_m, record.left_alpha_rad});
 }
 
