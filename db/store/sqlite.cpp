@@ -123,14 +123,15 @@ void execute(sqlite3* handle, const char* sql) {
 }
 bool try_execute(sqlite3* handle, const char* sql) noexcept { return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK; }
 
-Transaction::Transaction(sqlite3* handle, Kind kind) : handle_(handle) {
-  execute(handle, kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");
+Transaction::Transaction(sqlite3* handle, Kind kind) : handle_(handle), open_(kind == Kind::write || sqlite3_get_autocommit(handle) != 0) {
+  if (open_) execute(handle, kind == Kind::write ? "BEGIN IMMEDIATE" : "BEGIN");
 }
 Transaction::~Transaction() {
   // After SQLITE_FULL or SQLITE_IOERR the database may have rolled back by itself.
   if (open_ && sqlite3_get_autocommit(handle_) == 0) try_execute(handle_, "ROLLBACK");
 }
 void Transaction::commit() {
+  if (!open_) return;
   execute(handle_, "COMMIT");
   open_ = false;
 }

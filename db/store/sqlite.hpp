@@ -70,6 +70,7 @@ void execute(sqlite3* handle, const char* sql);
 // Best effort: tells whether it worked, throws nothing. For housekeeping that may fail.
 bool try_execute(sqlite3* handle, const char* sql) noexcept;
 
+/// A read inside of another transaction belongs to it: it sees that one's state, and its end changes nothing.
 class Transaction {
  public:
   enum class Kind : std::uint8_t { read, write };
@@ -81,7 +82,7 @@ class Transaction {
 
  private:
   sqlite3* handle_;
-  bool open_ = true;
+  bool open_;
 };
 
 // Runs `work`; a SqlFailure or a lack of memory becomes the error of the returned Result or Status.

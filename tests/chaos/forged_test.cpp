@@ -171,6 +171,26 @@ TEST_F(ForgedRecording, AForgedImageDoesNoHarm) {
   EXPECT_EQ(result->run.steps, 0U);
 }
 
+// The server folds a session piece by piece after its end; who reads it meanwhile sees one state.
+TEST_F(ForgedRecording, OneThatIsFoldedMeanwhileIsRunWhole) {
+  Forgery open;
+  open.ends = false;
+  const db::SessionId session = record(open);
+  auto writer = db::SessionWriter::create(*database_);  // closes it
+  ASSERT_TRUE(writer.ok());
+  auto reader = db::Database::attach(folder_ / "a.db");
+  ASSERT_TRUE(reader.ok());
+  int pieces = -1;
+  const auto report = rerun(*reader, session, kProgram, {}, [&](const RerunStep&) {
+    if (pieces >= 0) return;
+    for (pieces = 0; *writer->fold_piece(); ++pieces) continue;
+  });
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_GT(pieces, 0);
+  EXPECT_EQ(report->steps, 400U);
+  EXPECT_TRUE(report->not_run.empty());
+}
+
 TEST_F(ForgedRecording, AnotherParameterGivesAnotherRun) {
   const db::SessionId session = record({});
   constexpr std::size_t kAlpha = *contract::find_signal("left_alpha_rad");

@@ -14,7 +14,6 @@
 #include <bit>
 #include <cerrno>
 #include <cstddef>
-#include <new>
 
 #include "control/contract/param_set.hpp"
 #include "control/contract/shared_memory.hpp"
@@ -23,6 +22,7 @@
 #include "control/publish/journal.hpp"
 #include "db/store/frame_chunks.hpp"
 #include "db/store/session_writer.hpp"
+#include "db/store/sqlite.hpp"
 
 namespace hoist::tool {
 namespace {
@@ -363,10 +363,8 @@ class Rerun {
   bool changed_ = false;  // the parameters are to be set before the next step
 };
 
-}  // namespace
-
-db::Result<RerunReport> rerun(db::Database& database, db::SessionId session, std::string_view program,
-                              std::span<const ParameterChange> changes, const std::function<void(const RerunStep&)>& see) {
+db::Result<RerunReport> rerun_as_it_is(db::Database& database, db::SessionId session, std::string_view program,
+                                       std::span<const ParameterChange> changes, const std::function<void(const RerunStep&)>& see) {
   const db::SessionReader reader(database);
   const auto info = reader.get(session);
   if (!info) return info.error();
@@ -380,13 +378,20 @@ db::Result<RerunReport> rerun(db::Database& database, db::SessionId session, std
     return of_session(db::ErrorKind::wrong_state, session,
                       "was recorded with hoist-control " + info->core_version.value_or("of an unknown version") +
                           "; only a hoist of the same build can run it again, and this one is " + std::string(program));
-  try {
-    auto report = Rerun(database, session, changes, see).run(*extents, std::move(*images));
-    if (report) report->samples = info->sample_count;
-    return report;
-  } catch (const std::bad_alloc&) {
-    return db::Error{db::ErrorKind::internal, "out of memory", {}};
-  }
+  auto report = Rerun(database, session, changes, see).run(*extents, std::move(*images));
+  if (report) report->samples = info->sample_count;
+  return report;
+}
+
+}  // namespace
+
+db::Result<RerunReport> rerun(db::Database& database, db::SessionId session, std::string_view program,
+                              std::span<const ParameterChange> changes, const std::function<void(const RerunStep&)>& see) {
+  return db::guarded([&]() -> db::Result<RerunReport> {
+    // One state for all reads: a session that is folded meanwhile has its pieces replaced.
+    db::Transaction snapshot(database.handle(), db::Transaction::Kind::read);
+    return rerun_as_it_is(database, session, program, changes, see);
+  });
 }
 
 db::Result<Verification> verify_session(db::Database& database, db::SessionId session, std::string_view program) {
