@@ -224,14 +224,17 @@ TEST(FallInAStop, H15H16WhoStaysInTheStopsHasFallen) {
   struct Stay {
     double lean_deg;
     int ticks;
-    bool falls;
+    bool falls, told = false;
   };
-  for (const Stay stay : {Stay{13.5, 59, false}, Stay{13.5, 60, true}, Stay{-13.5, 60, true}, Stay{12.5, 500, false}}) {
+  // Once told, it lasts until the lean is below the quick one's limit.
+  for (const Stay stay : {Stay{13.5, 59, false}, Stay{13.5, 60, true}, Stay{-13.5, 60, true}, Stay{12.5, 500, false},
+                          Stay{10.5, 1, true, true}, Stay{9.5, 1, false, true}}) {
     SCOPED_TRACE(stay.lean_deg);
     SCOPED_TRACE(stay.ticks);
     MonitorBench bench;
     bench.mode = Mode::protective_stop;
     bench.moving = false;
+    if (stay.told) bench.latched = contract::fault_bit(Fault::fall_detected);
     FallDetected monitor;
     bool falls = false;
     for (int i = 0; i < stay.ticks; ++i) {

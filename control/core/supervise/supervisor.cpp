@@ -71,7 +71,7 @@ void judge_stop(CoreState& state) noexcept {
 void stop_without_power(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
   // What an opened chain looks like to the drives comes with it. A stop that is older had its own cause, and then a hand came.
-  if (state.mode == Mode::protective_stop && state.in_mode.ticks >= kHandTicks && state.in_mode.ticks < kJudgeTicks) count_stop(state);
+  if (state.mode == Mode::protective_stop && state.in_mode.ticks >= kHandTicks && state.in_mode.ticks <= kJudgeTicks) count_stop(state);
   change_mode(state, Mode::emergency_stop);
   state.stop_cause = static_cast<std::uint8_t>(Fault::emergency_stop) + 1;
   state.acknowledgement.drop();

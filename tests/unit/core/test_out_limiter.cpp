@@ -123,7 +123,7 @@ Params any_params(std::mt19937& random) {
 TEST(OutLimiter, H1H15EachStepFollowsTheWishAsItsBoundsSay) {
   int gentle = 0, stops = 0, exact = 0, held = 0;
   std::array<int, 8> causes{};
-  for (unsigned seed = 1; seed <= 200; ++seed) {
+  for (unsigned seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -126,7 +126,7 @@ Facts set_faults(CoreState& state, Dice& dice) {
   const Mode mode = dice.chance(0.4) ? Mode::protective_stop : kEveryMode[dice.below(std::size(kEveryMode))];
   const Facts facts = set_situation(state, mode, dice);
   state.stops_changed = false;
-  state.in_mode.ticks = dice.of<std::uint64_t>({0, 1, 98, 99, 99, 99, 100, 101, 5000});
+  state.in_mode.ticks = dice.of<std::uint64_t>({0, 1, 19, 20, 60, 98, 99, 99, 99, 100, 101, 5000});
   state.in_mode.braking = mode == Mode::protective_stop ? Braking::protective : Braking::none;
   if (moves(mode) && dice.chance(0.4)) {
     state.in_mode.leaving = true;
@@ -253,6 +253,8 @@ class FaultRule {
   }
   /// The lease is free, and nothing waits.
   void lose_power() {
+    // Pressed by a hand, 0.2 s after the stop at the earliest; it is counted at a second at the latest.
+    if (mode == Mode::protective_stop && ticks >= 20 && ticks < 100) count();
     enter(Mode::emergency_stop);
     stop_cause = static_cast<std::uint8_t>(place(Fault::emergency_stop) + 1);
     holder = 0;
@@ -276,7 +278,9 @@ class FaultRule {
         stop_cause = static_cast<std::uint8_t>(place(row.cause) + 1);
         if (causes != 0) causes |= set_of({row.cause});
       }
-    if (ticks != 99) return;
+    if (ticks == 99) count();
+  }
+  void count() {
     bool too_many = false;
     for (const contract::FaultInfo& row : contract::kFaults) {
       const FaultBits own = FaultBits{1} << row.bit;
