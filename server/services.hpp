@@ -49,7 +49,6 @@ struct Services {
   std::int64_t started_utc_ns = 0;
   std::uint64_t started_ns = 0;
   std::size_t live_clients = 0;  // open WebSockets
-  bool start_anew = false;       // a recording was begun by hand, for another patient: the next exercise begins at its start mark
   std::uint64_t ends_asked = 0;  // requests to end motion so far: a start that was asked for before one of them is over
 };
 

@@ -215,7 +215,8 @@ void rejoin(CoreState& state) noexcept {
 }
 
 void send_frames(CoreState& state, const TickInputs& inputs, double dt_s, TickOutputs& out) noexcept {
-  if (state.mode == contract::Mode::protective_stop && state.in_mode.hold.step(state.limiter, state.sensed))
+  if (state.mode == contract::Mode::protective_stop &&
+      state.in_mode.hold.step(state.limiter, state.sensed, (state.latched & fault_bit(Fault::tilt_sensor_fault)) == 0))
     raise_fault(state, Fault::overspeed);  // H1, H2: the wheels do not follow their command
   const bool cut = state.in_mode.hold.cut() || state.relay.is_cut();
   const Running wanted = !mode_row_of(state.mode).drives                     ? Running::off

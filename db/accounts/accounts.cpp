@@ -206,7 +206,11 @@ Status Accounts::change(std::string_view name, const UserChange& change) {
     if (change.display_name) user.display_name = *change.display_name;
     if (change.role) user.role = *change.role;
     if (change.enabled) user.enabled = *change.enabled;
-    if (change.password_hash) user.password_hash = *change.password_hash;
+    if (change.password_hash) {
+      user.password_hash = *change.password_hash;
+      // It was set with the old password, maybe by the person whom the new one is to keep out.
+      user.pin_hash.reset();
+    }
     if (change.pin_hash) user.pin_hash = *change.pin_hash;
     Statement update(handle_,
                      "UPDATE users SET display_name = ?2, role = ?3, enabled = ?4, password_hash = ?5, pin_hash = ?6 WHERE id = ?1");
@@ -256,7 +260,9 @@ Status Accounts::end_sign_in(std::string_view secret_sha256) {
 }
 Status Accounts::end_sign_ins_of(std::string_view user, std::string_view but) {
   return guarded([&]() -> Status {
-    Statement row(handle_, "UPDATE sign_ins SET ended = 1 WHERE user_id = (SELECT id FROM users WHERE name = ?1) AND secret_sha256 != ?2");
+    Statement row(
+        handle_,
+        "UPDATE sign_ins SET ended = 1, device = '' WHERE user_id = (SELECT id FROM users WHERE name = ?1) AND secret_sha256 != ?2");
     row.text(1, user).text(2, but).run();
     if (but.empty()) Statement(handle_, "DELETE FROM tokens WHERE user_id = (SELECT id FROM users WHERE name = ?1)").text(1, user).run();
     return {};

@@ -83,7 +83,7 @@ class Accounts {
   Result<std::optional<User>> find(std::string_view name) const;
   /// bad_value (name taken or ill-formed, display name, role), wrong_state (kMaxUsers).
   Status add(const User& user, std::int64_t now_s);
-  /// not_found; wrong_state when no enabled engineer would remain.
+  /// not_found; wrong_state when no enabled engineer would remain. A new password takes the PIN away.
   Status change(std::string_view name, const UserChange& change);
   Result<bool> has_engineer() const;
 
@@ -91,7 +91,8 @@ class Accounts {
   Status begin_sign_in(const SignIn& sign_in);
   Status use_sign_in(std::string_view secret_sha256, std::int64_t used_s);
   Status end_sign_in(std::string_view secret_sha256);
-  /// All of a user but this one. With an empty `but` the user's tokens go as well.
+  /// All of a user but this one; their devices no longer count as ones on which the user has signed in. With an empty `but` the user's
+  /// tokens go as well.
   Status end_sign_ins_of(std::string_view user, std::string_view but);
   /// All, newest use first, ended ones included.
   Result<std::vector<SignIn>> sign_ins() const;

@@ -17,7 +17,8 @@
 
 namespace hoist::db {
 
-namespace {
+// With a name: TuningReading::State, which other files know of, holds some of these.
+inline namespace tuning_samples {
 
 using contract::Mode;
 using contract::ParamName;
@@ -52,26 +53,40 @@ struct Sample {
   double lean_norm = 0, turn_norm = 0, speed_m_s = 0, yaw_rate_rad_s = 0, yaw_command_rad_s = 0, version = 0;
 };
 
-// Calls `use` with the samples of a session in order, from this time on. Reads piece by piece: the memory does not grow with the session.
-template <class Use>
-Status for_each_sample(const SessionReader& reader, SessionId session, double begin_s, Use use) {
-  constexpr double kPiece_s = 120.0;
-  const Result<Overview> whole = reader.overview(session, {}, 1);
-  if (!whole) return whole.error();
-  if (whole->from_s.empty()) return {};
-  const std::vector<std::string> names(kUsedColumns.begin(), kUsedColumns.end());
-  const double end_s = whole->to_s.back();
-  for (double from_s = std::max(begin_s, whole->from_s.front()); from_s <= end_s; from_s += kPiece_s) {
-    const Result<Columns> columns = reader.read_columns(session, names, {from_s, from_s + kPiece_s});
+// The samples of a session in order, from this time on, piece by piece: the memory does not grow with the session.
+class SampleReading {
+ public:
+  static Result<SampleReading> open(const SessionReader& reader, SessionId session, double begin_s) {
+    const Result<Overview> whole = reader.overview(session, {}, 1);
+    if (!whole) return whole.error();
+    SampleReading out;
+    out.session_ = session;
+    if (whole->from_s.empty()) return out;
+    out.next_s_ = std::max(begin_s, whole->from_s.front());
+    out.end_s_ = whole->to_s.back();
+    return out;
+  }
+  // Calls `use` with those of the next piece; false when there is none left.
+  template <class Use>
+  Result<bool> piece(const SessionReader& reader, Use use) {
+    constexpr double kPiece_s = 120.0;
+    if (next_s_ > end_s_) return false;
+    const std::vector<std::string> names(kUsedColumns.begin(), kUsedColumns.end());
+    const Result<Columns> columns = reader.read_columns(session_, names, {next_s_, next_s_ + kPiece_s});
     if (!columns) return columns.error();
     for (std::size_t i = 0; i < columns->tick.size(); ++i) {
       const auto at = [&](std::size_t c) { return columns->values[c][i]; };
       use(Sample{columns->tick[i], static_cast<Mode>(static_cast<int>(at(0))), at(1) != 0,
                  at(8) <= kFresh_ticks && at(9) <= kFresh_ticks && at(10) <= kFresh_ticks, at(2), at(3), at(4), at(5), at(6), at(7)});
     }
+    next_s_ += kPiece_s;
+    return true;
   }
-  return {};
-}
+
+ private:
+  SessionId session_ = 0;
+  double next_s_ = 0, end_s_ = -1;
+};
 
 /// Of the samples that go by: in standby, or while the patient leads, the wheels at rest. No wish moves the hoist then.
 class StandingNoise {
@@ -231,34 +246,44 @@ struct Measured {
   bool settings_changed = false;
 };
 
-Result<Measured> measured_in(Database& database, const SessionInfo& session, const contract::Params& params, const Figure& stride_s) {
+// Of the time just before the walk: earlier, the patient was perhaps not yet in the harness.
+Status add_standby(Database& database, const SessionInfo& session, const contract::Params& params, StandingNoise& standing) {
+  const auto before = standby_before(database, session, params);
+  if (!before || !*before) return before ? Status() : before.error();
   const SessionReader reader(database);
-  Measured out;
-  if (stride_s.value) out.stray.emplace(*stride_s.value);
-  if (!session.standby) {
-    const auto before = standby_before(database, session, params);
-    if (!before) return before.error();
-    // Of the time just before the walk: earlier, the patient was perhaps not yet in the harness.
-    if (*before) {
-      const double from_s = (*before)->duration_s - kStandbyLast_s;
-      Status read = for_each_sample(reader, (*before)->id, from_s, [&out](const Sample& s) { out.standing.add(s); });
-      if (!read) return read.error();
-      out.standing.end_stretch();
-    }
+  auto samples = SampleReading::open(reader, (*before)->id, (*before)->duration_s - kStandbyLast_s);
+  if (!samples) return samples.error();
+  for (;;) {
+    const auto more = samples->piece(reader, [&standing](const Sample& s) { standing.add(s); });
+    if (!more) return more.error();
+    if (!*more) break;
   }
-  std::optional<double> version;
-  const Status read = for_each_sample(reader, session.id, -1e18, [&](const Sample& s) {
-    out.settings_changed = out.settings_changed || (version && *version != s.version);
-    version = s.version;
-    out.standing.add(s);
-    out.walking.add(s);
-    if (out.stray) out.stray->add(s);
-  });
-  if (!read) return read.error();
+  standing.end_stretch();
+  return {};
+}
+
+TuningAdvice advice_from(SessionId session, const contract::Params& now, const Figure& stride_s, const Measured& measured) {
+  if (measured.settings_changed) return refused(session, NoAdvice::settings_changed);
+  TuningAdvice out;
+  out.session = session;
+  const auto& [lean, turn] = measured.walking;
+  out.standing_s = static_cast<double>(measured.standing.lean.count()) * kSample_s;
+  out.walking_s = static_cast<double>(lean.count) * kSample_s;
+  const bool walked = out.walking_s >= kLeastWalking_s;
+  const bool turned = static_cast<double>(turn.count) * kSample_s >= kLeastTurning_s;
+  out.suggestions = {
+      band_advice(measured.standing.lean, now.lean_dead_band_norm),
+      band_advice(measured.standing.turn, now.turn_dead_band_norm),
+      walked ? gain_advice(lean.value(), now.lean_gain_direct_units, now.lean_gain_filtered_units, ParamName::lean_gain_filtered_units)
+             : none(NoAdvice::little_walking),
+      turned ? gain_advice(turn.value(), now.turn_gain_direct_units, now.turn_gain_filtered_units, ParamName::turn_gain_filtered_units)
+             : none(NoAdvice::no_turning),
+      walked ? cadence_advice(stride_s, measured.stray, now.cadence_cancel_norm) : none(NoAdvice::little_walking),
+  };
   return out;
 }
 
-}  // namespace
+}  // namespace tuning_samples
 
 void NormCounts::add(double norm) {
   const double place = std::round(std::clamp(norm, -1.0, 1.0) * kSteps);
@@ -324,39 +349,75 @@ Suggestion gain_advice(double mean_norm, double direct_units, double filtered_un
   return out;
 }
 
-Result<TuningAdvice> tuning_advice(Database& database, SessionId session) {
+struct TuningReading::State {
+  explicit State(MetricsReading reading) : metrics(std::move(reading)) {}
+
+  Result<bool> piece(Database& database) {
+    const SessionInfo& session = metrics.info();
+    if (!params) return false;
+    if (!samples) return begin(database, session);
+    const Result<bool> more = samples->piece(SessionReader(database), [this](const Sample& s) { add(s); });
+    if (!more || *more) return more;
+    out = advice_from(session.id, *params, stride_s, measured);
+    return false;
+  }
+  // Figures first: how long a stride is.
+  Result<bool> begin(Database& database, const SessionInfo& session) {
+    const Result<bool> more = metrics.piece(database);
+    if (!more || *more) return more;
+    stride_s = metrics.take()["stride_time_s"];
+    if (stride_s.value) measured.stray.emplace(*stride_s.value);
+    if (!session.standby)
+      if (const Status added = add_standby(database, session, *params, measured.standing); !added) return added.error();
+    auto opened = SampleReading::open(SessionReader(database), session.id, -1e18);
+    if (!opened) return opened.error();
+    samples = *opened;
+    return true;
+  }
+  void add(const Sample& s) {
+    measured.settings_changed = measured.settings_changed || (version && *version != s.version);
+    version = s.version;
+    measured.standing.add(s);
+    measured.walking.add(s);
+    if (measured.stray) measured.stray->add(s);
+  }
+
+  MetricsReading metrics;
+  std::optional<contract::Params> params;  // absent: `out` is there from the start
+  Figure stride_s;
+  Measured measured;
+  std::optional<SampleReading> samples;
+  std::optional<double> version;
+  TuningAdvice out;
+};
+
+TuningReading::TuningReading(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TuningReading::TuningReading(TuningReading&&) noexcept = default;
+TuningReading& TuningReading::operator=(TuningReading&&) noexcept = default;
+TuningReading::~TuningReading() = default;
+
+Result<TuningReading> TuningReading::open(Database& database, SessionId session) {
+  auto metrics = MetricsReading::open(database, session);
+  if (!metrics) return metrics.error();
   const SessionReader reader(database);
-  const Result<SessionInfo> info = reader.get(session);
-  if (!info) return info.error();
   const Result<bool> whole = has_columns(reader, session);
   if (!whole) return whole.error();
-  const auto params = params_of(reader, session);
+  auto params = params_of(reader, session);
   if (!params) return params.error();
-  if (!*whole || !*params) return refused(session, NoAdvice::not_recorded);
-  const Result<SessionMetrics> metrics = session_metrics(database, session);
-  if (!metrics) return metrics.error();
-  const Figure& stride_s = (*metrics)["stride_time_s"];
-  const Result<Measured> measured = measured_in(database, *info, **params, stride_s);
-  if (!measured) return measured.error();
-  if (measured->settings_changed) return refused(session, NoAdvice::settings_changed);
-  TuningAdvice out;
-  out.session = session;
-  const contract::Params& now = **params;
-  const auto& [lean, turn] = measured->walking;
-  out.standing_s = static_cast<double>(measured->standing.lean.count()) * kSample_s;
-  out.walking_s = static_cast<double>(lean.count) * kSample_s;
-  const bool walked = out.walking_s >= kLeastWalking_s;
-  const bool turned = static_cast<double>(turn.count) * kSample_s >= kLeastTurning_s;
-  out.suggestions = {
-      band_advice(measured->standing.lean, now.lean_dead_band_norm),
-      band_advice(measured->standing.turn, now.turn_dead_band_norm),
-      walked ? gain_advice(lean.value(), now.lean_gain_direct_units, now.lean_gain_filtered_units, ParamName::lean_gain_filtered_units)
-             : none(NoAdvice::little_walking),
-      turned ? gain_advice(turn.value(), now.turn_gain_direct_units, now.turn_gain_filtered_units, ParamName::turn_gain_filtered_units)
-             : none(NoAdvice::no_turning),
-      walked ? cadence_advice(stride_s, measured->stray, now.cadence_cancel_norm) : none(NoAdvice::little_walking),
-  };
-  return out;
+  auto state = std::make_unique<State>(std::move(*metrics));
+  if (*whole && *params)
+    state->params = **params;
+  else
+    state->out = refused(session, NoAdvice::not_recorded);
+  return TuningReading(std::move(state));
+}
+Result<bool> TuningReading::piece(Database& database) { return state_->piece(database); }
+TuningAdvice TuningReading::take() { return state_->out; }
+
+Result<TuningAdvice> tuning_advice(Database& database, SessionId session) {
+  auto reading = TuningReading::open(database, session);
+  if (!reading) return reading.error();
+  return read_whole(database, *reading);
 }
 
 }  // namespace hoist::db

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -109,7 +110,22 @@ struct TuningAdvice {
   std::array<Suggestion, kTuningRules.size()> suggestions;
 };
 
-/// Errors: not_found, corrupt, io. A session that cannot bear a suggestion gives its reason, not an error.
+/// Errors: not_found, corrupt, io. A session that cannot bear a suggestion gives its reason, not an error. Read in pieces as MetricsReading.
+class TuningReading {
+ public:
+  static Result<TuningReading> open(Database& database, SessionId session);
+  TuningReading(TuningReading&&) noexcept;
+  TuningReading& operator=(TuningReading&&) noexcept;
+  ~TuningReading();
+  Result<bool> piece(Database& database);
+  TuningAdvice take();
+
+ private:
+  struct State;
+  explicit TuningReading(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+/// In one piece.
 [[nodiscard]] Result<TuningAdvice> tuning_advice(Database& database, SessionId session);
 
 // The formulas by themselves.

@@ -143,6 +143,13 @@ class EventsTsv {
   bool head_written_ = false;
 };
 
+// Some disks take two names for one that differ in capital letters only, and BIDS allows no such names.
+std::string in_small_letters(std::string label) {
+  for (char& c : label)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  return label;
+}
+
 class BidsPlan : public BundlePlan {
  public:
   BidsPlan(Database& database, const std::vector<SessionId>& sessions) : database_(database) {
@@ -158,7 +165,7 @@ class BidsPlan : public BundlePlan {
                                          : labels_.try_emplace({session, ""}, "unknown" + std::to_string(session));
       if (fresh) {
         if (label->second.empty()) label->second = "x";
-        while (!taken.insert(label->second).second) label->second += "x";
+        while (!taken.insert(in_small_letters(label->second)).second) label->second += "x";
         participants_.emplace_back("sub-" + label->second, cell(code));
       }
       const auto visit = visits.find(session);

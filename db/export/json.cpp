@@ -30,6 +30,10 @@ class JsonExport : public FormatWriter {
         return true;
       case Step::body:
         if (body(out)) return true;
+        step_ = Step::figures;
+        [[fallthrough]];
+      case Step::figures:
+        if (source_.figures_piece()) return true;
         step_ = Step::events;
         figures(out);
         return true;
@@ -45,7 +49,7 @@ class JsonExport : public FormatWriter {
   }
 
  private:
-  enum class Step : std::uint8_t { head, body, events, over };
+  enum class Step : std::uint8_t { head, body, figures, events, over };
 
   void head(std::string& out) {
     manifest_ = manifest_json(source_);
@@ -119,11 +123,7 @@ class JsonExport : public FormatWriter {
   }
 
   void figures(std::string& out) {
-    // A session that is being recorded has no final figures; one whose columns cannot be judged is exported without them.
-    json figures = nullptr;
-    if (!source_.info.recording)
-      if (Result<json> told = session_metrics_json(source_.database, source_.info.id)) figures = std::move(*told);
-    out += "},\n\"metrics\":" + dumped(figures) + ",\n\"gaps\":" + dumped(manifest_["gaps"]) + ",\n\"events\":[";
+    out += "},\n\"metrics\":" + dumped(source_.figures) + ",\n\"gaps\":" + dumped(manifest_["gaps"]) + ",\n\"events\":[";
   }
 
   // A few at a time; false at the end.

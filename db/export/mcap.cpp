@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "control/contract/program_version.hpp"
@@ -56,7 +57,7 @@ class McapExport : public FormatWriter {
       case Step::body:
         if (samples(out)) return true;
         step_ = Step::summary;
-        events_until(out, ~std::uint64_t{0}, last_utc_ns_.value_or(source_.info.started_utc_ns));
+        events_until(out, ~std::uint64_t{0}, std::numeric_limits<std::int64_t>::max());
         return true;
       case Step::summary:
         if (!file_.end(out)) step_ = Step::over;
@@ -131,12 +132,19 @@ class McapExport : public FormatWriter {
     }
   }
 
-  // A marker has the time of its sample.
+  // Time of a marker's step, also in a gap. Recorded times carry the loop's jitter, which a step's own time lacks: it stays between the samples
+  // beside it, so that log times never run backwards.
+  [[nodiscard]] std::int64_t utc_of_marker(std::uint64_t tick, std::int64_t next_sample_utc_ns) const {
+    const std::int64_t own_ns = source_.even_utc_of(source_.time_of_tick(tick));
+    return std::max(last_utc_ns_.value_or(own_ns), std::min(own_ns, next_sample_utc_ns));
+  }
+
   void events_until(std::string& out, std::uint64_t tick, std::int64_t utc_ns) {
     while (const auto moment = moments_->next(tick)) {
       json told = moment_json(*moment);
       told.erase("time_ns");
-      const std::int64_t at_ns = moment->event != nullptr ? source_.even_utc_of(static_cast<std::int64_t>(moment->event->time_ns)) : utc_ns;
+      const std::int64_t at_ns = moment->event != nullptr ? source_.even_utc_of(static_cast<std::int64_t>(moment->event->time_ns))
+                                                          : utc_of_marker(moment->tick, utc_ns);
       file_.message(out, events_, static_cast<std::uint64_t>(at_ns), dumped(told));
     }
   }

@@ -74,17 +74,13 @@ Result<SessionExport> SessionExport::open(Database& database, SessionId session,
 
 Result<bool> SessionExport::next_chunk(std::string& out) {
   out.clear();
-  const bool whole = export_format_info(state_->source.options.format).delivery == ExportDelivery::whole;
-  Result<bool> more = guarded([&]() -> Result<bool> {
-    // A piece may hold no rows of its own. A client that gets pieces would take it for the end; who makes a file wants short pieces of work.
-    while (state_->writer && state_->writer->next(out))
-      if (whole || !out.empty()) return true;
-    return false;
-  });
+  Result<bool> more = guarded([&]() -> Result<bool> { return state_->writer && state_->writer->next(out); });
   if (!more) out.clear();
   if (!more || !*more) state_->writer.reset();
   return more;
 }
+
+SessionId SessionExport::session() const { return state_->source.info.id; }
 
 std::string SessionExport::etag() const { return state_->etag; }
 

@@ -21,9 +21,10 @@ class SessionExport {
   SessionExport& operator=(SessionExport&&) noexcept;
   ~SessionExport();
 
-  /// Replaces `out` by the next piece (usually below 100 kB; of a format that is made whole, perhaps empty). False at the end, with `out`
+  /// Replaces `out` by the next piece (usually below 100 kB, perhaps empty: the work of one call is short). False at the end, with `out`
   /// empty. After an error the export is over.
   Result<bool> next_chunk(std::string& out);
+  [[nodiscard]] SessionId session() const;
   /// A strong entity tag: two exports with the same one have the same bytes.
   [[nodiscard]] std::string etag() const;
   [[nodiscard]] std::string content_type() const;

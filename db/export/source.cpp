@@ -138,6 +138,20 @@ std::vector<Marker> ExportSource::markers() const { return or_throw(reader_.mark
 std::vector<Gap> ExportSource::gaps() const { return or_throw(reader_.gaps(info.id)); }
 std::vector<std::pair<std::string, double>> ExportSource::parameters() const { return or_throw(reader_.parameters(info.id)); }
 
+bool ExportSource::figures_piece() {
+  if (info.recording) return false;
+  if (!reading_) {
+    auto opened = FiguresReading::open(database, info.id);
+    if (!opened) return false;
+    reading_.emplace(std::move(*opened));
+  }
+  const Result<bool> more = reading_->piece(database);
+  if (more && *more) return true;
+  if (more) figures = reading_->take();
+  reading_.reset();
+  return false;
+}
+
 Moments::Moments(const ExportSource& source) : source_(&source), markers_(source.markers()), events_(source.events_after(-1)) {
   std::ranges::stable_sort(markers_, {}, &Marker::tick);
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include "db/export/formats.hpp"
 #include "db/store/chunk_source.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/summary/session_json.hpp"
 
 namespace hoist::db {
 
@@ -63,6 +65,9 @@ class ExportSource {
   [[nodiscard]] std::vector<Marker> markers() const;
   [[nodiscard]] std::vector<Gap> gaps() const;
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+  /// Reads a piece of what the figures are computed from; false once they are in `figures`. A session that is being recorded has no final ones; one
+  /// whose columns cannot be judged is exported without: null.
+  bool figures_piece();
 
   Database& database;
   SessionInfo info;
@@ -76,6 +81,8 @@ class ExportSource {
   bool any_samples = false;
   std::uint64_t sample_count = 0;
 
+  nlohmann::json figures;
+
   // Position.
   std::optional<StoredChunk> chunk;
   std::vector<std::vector<std::int64_t>> values;  // of the columns asked for
@@ -87,6 +94,7 @@ class ExportSource {
   ChunkSource source_;
   std::uint64_t next_tick_ = 0;
   std::int64_t last_event_ = -1;
+  std::optional<FiguresReading> reading_;  // of the figures
 };
 
 /// Events and markers of a session in the order of their steps, an event before a marker. A few events are in memory at a time.

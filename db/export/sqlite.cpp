@@ -119,6 +119,7 @@ bool SqliteWriter::next(std::string& out) {
     handle_.reset();
     return true;
   }
+  if (!described_ && source_->figures_piece()) return true;
   if (!std::exchange(described_, true))
     describe();
   else if (!write_samples())
@@ -212,10 +213,7 @@ void SqliteWriter::describe() {
 }
 
 void SqliteWriter::write_session(const json& manifest) {
-  // A session that is being recorded has no final figures.
-  json figures;
-  if (!source_->info.recording)
-    if (Result<json> told = session_metrics_json(database_, source_->info.id)) figures = dumped(*told);
+  const json figures = source_->figures.is_null() ? json(nullptr) : json(dumped(source_->figures));
   const json& session = manifest["session"];
   const json exercise = session["exercise"].is_null() ? json(nullptr) : json(dumped(session["exercise"]));
   Statement row(handle_.get(), "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");

@@ -5,6 +5,7 @@
 namespace hoist::db {
 
 void Analyser::add(const WalkSample& sample) {
+  const std::uint64_t before = std::exchange(tick_, sample.tick);
   if (first_) out_.walk.add(sample);
   if (!counts(sample)) return;
   rhythm_.add(sample);
@@ -13,7 +14,7 @@ void Analyser::add(const WalkSample& sample) {
   // Several walks are not compared.
   std::optional<double> s_m;
   if (!out_.walk.several_walks) s_m = comparer_.add(sample, out_.walk.from_mark);
-  task_.add(sample, s_m);
+  task_.add(sample, s_m, before);
   bouts_.add(sample);
   turns_.add(sample);
 }

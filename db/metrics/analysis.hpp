@@ -40,6 +40,7 @@ class Analyser {
 
  private:
   bool first_ = true;
+  std::uint64_t tick_ = 0;  // of the sample before, in any mode
   Analysis out_;
   Comparer comparer_;
   BoutFinder bouts_;

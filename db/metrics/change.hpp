@@ -30,6 +30,7 @@ enum class NoChange : std::uint8_t {
 struct Measured {
   std::int64_t session = 0, visit = 0;
   double value = 0;
+  std::int64_t place = 0;  ///< rises by one with each comparable walk of the visit, also with one that has no value
 };
 
 /// Degrees of freedom that the patient's own repeats must have: walks of one exercise within a visit, one less than walks for each visit. With

@@ -13,7 +13,7 @@
 namespace hoist::db {
 
 /// With more motion missing a walk is not compared with its exercise. A gap of this length anywhere in an eight of 12 m changes C by at most
-/// 0.02 and J_N by at most 5 % (measured and held by test_db, Metrics.AShortGap…).
+/// 0.02 and J_N by at most 5 %, and the timed speed by at most 2 % (measured and held by test_db, Metrics.AShortGap…).
 inline constexpr double kMissingMost_s = 0.5;
 [[nodiscard]] inline double missing_s(const Walk& walk) { return static_cast<double>(walk.missing_samples) * kSample_s; }
 

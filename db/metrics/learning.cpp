@@ -7,8 +7,10 @@
 namespace hoist::db {
 namespace {
 
+using Visits = std::map<std::int64_t, std::vector<Measured>>;
+
 // By how many pairs against the order chance differs from a rising row: the probability of each number, over visits of these lengths.
-std::vector<double> pairs_by_chance(const std::map<std::int64_t, std::vector<double>>& visits) {
+std::vector<double> pairs_by_chance(const Visits& visits) {
   std::vector<double> chance{1.0};
   // A walk that comes to n others may be smaller than 0 to n of them, each as likely.
   for (const auto& [id, walks] : visits)
@@ -32,8 +34,8 @@ std::optional<std::size_t> left_out(const std::vector<double>& chance) {
 }  // namespace
 
 Learning learning_of(std::span<const Measured> values) {
-  std::map<std::int64_t, std::vector<double>> visits;
-  for (const Measured& one : values) visits[one.visit].push_back(one.value);
+  Visits visits;
+  for (const Measured& one : values) visits[one.visit].push_back(one);
   std::erase_if(visits, [](const auto& visit) { return visit.second.size() < 2; });
   Learning out{.visits = visits.size()};
   std::vector<double> slopes;
@@ -41,7 +43,7 @@ Learning learning_of(std::span<const Measured> values) {
     out.walks += walks.size();
     for (std::size_t later = 1; later < walks.size(); ++later)
       for (std::size_t earlier = 0; earlier < later; ++earlier)
-        slopes.push_back((walks[later] - walks[earlier]) / static_cast<double>(later - earlier));
+        slopes.push_back((walks[later].value - walks[earlier].value) / static_cast<double>(walks[later].place - walks[earlier].place));
   }
   const auto outside = left_out(pairs_by_chance(visits));
   if (!outside) {

@@ -22,7 +22,7 @@ struct Learning {
 /// The median of all slopes between two walks of one visit, each visit with a level of its own (Hirsch, Slack & Smith 1982, their visits are
 /// months); its interval from the exact number of pairs against the order that chance gives (Sen 1968). Equal values make the interval wider.
 /// The fewest walks that tell anything: five of one visit, or two of each of six.
-/// `values`: of one exercise, oldest first.
+/// `values`: of one exercise, oldest first, in each visit with rising places. A walk without a value counts as one between two others.
 [[nodiscard]] Learning learning_of(std::span<const Measured> values);
 
 }  // namespace hoist::db

@@ -69,13 +69,15 @@ inline constexpr std::string_view kTurns =
 
 inline constexpr std::string_view kTaskGate =
     "a repetition of such a task, from its start mark to its end; one walk; at most 0.5 s missing";
-inline constexpr std::string_view kLedGate = "the patient led; settings not changed meanwhile";
+inline constexpr std::string_view kPhaseGate =
+    "a repetition of such a task, from its start mark to its end; one walk; at most 0.5 s missing; turned by 160 degrees before the end";
+inline constexpr std::string_view kLedGate = "the patient led; settings not changed since the session's begin";
 
-/// Of a task's result.
-inline Figure of_task(const Analysis& a, std::optional<double> TaskResult::*member) {
+/// Of a task's result; `absent`: why a task that was done has none.
+inline Figure of_task(const Analysis& a, std::optional<double> TaskResult::*member, NoFigure absent = NoFigure::no_task) {
   if (a.task.why != NoFigure::none) return no_figure(a.task.why);
   const std::optional<double>& value = a.task.*member;
-  return value ? figure(*value) : no_figure(NoFigure::no_task);
+  return value ? figure(*value) : no_figure(absent);
 }
 /// Of the comparison with the exercise: a number that is there, or why it is not.
 inline Figure compared(const Analysis& a, const std::optional<double>& value) {
@@ -97,7 +99,7 @@ inline Figure counted(const Analysis& a, int count) {
 inline Figure strided(const Analysis& a, double value) { return a.rhythm.why == NoFigure::none ? figure(value) : no_figure(a.rhythm.why); }
 inline Figure smooth(const Analysis& a, std::optional<double> (*of)(std::span<const double>)) {
   const std::span<const double> bout = a.bouts.longest_m_s;
-  if (bout.empty()) return no_figure(NoFigure::no_motion);
+  if (bout.empty()) return no_figure(why_no_bout(a.walk));
   if (static_cast<double>(bout.size()) * kSample_s > kSmoothMost_s) return no_figure(NoFigure::too_long);
   const std::optional<double> value = of(bout);
   return value ? figure(*value) : no_figure(NoFigure::too_short);

@@ -244,7 +244,7 @@ void RhythmFinder::finish() {
 Rhythm RhythmFinder::result(const Walk& walk, bool any_bout) const {
   if (walk.has_sway && any_bout) return out_;
   Rhythm none;
-  none.why = none.why_no_spread = walk.has_sway ? NoFigure::no_motion : NoFigure::not_recorded;
+  none.why = none.why_no_spread = walk.has_sway ? why_no_bout(walk) : NoFigure::not_recorded;
   return none;
 }
 

@@ -12,45 +12,46 @@ TaskJudge::TaskJudge(const std::optional<WalkTask>& task, const std::optional<co
   if (path) lap_m_ = path->length_m();
 }
 
-bool TaskJudge::at_end(const WalkSample& sample, const std::optional<double>& s_m) {
+std::optional<double> TaskJudge::left_to_end(const WalkSample& sample, const std::optional<double>& s_m) {
   switch (task_->ends) {
     case TaskEnd::distance:
-      return s_m && *s_m >= task_->goal * lap_m_ - kTaskArrived_m;
+      if (!s_m) break;
+      return task_->goal * lap_m_ - kTaskArrived_m - *s_m;
     case TaskEnd::time:
-      return seconds_between(*begun_, sample.tick) >= task_->goal;
+      return task_->goal - seconds_between(*begun_, static_cast<double>(sample.tick));
     case TaskEnd::turn:
-      return std::fabs(sample.psi_rad - first_.psi_rad) >= task_->goal;
+      return task_->goal - std::fabs(sample.psi_rad - first_.psi_rad);
     case TaskEnd::back: {
       const double away_m = std::hypot(sample.x_m - first_.x_m, sample.y_m - first_.y_m);
       far_ = far_ || away_m >= task_->goal;
-      return far_ && away_m <= kTaskBack_m;
+      if (!far_) break;
+      return away_m - kTaskBack_m;
     }
     case TaskEnd::hand:
       break;
   }
-  return false;
+  return std::nullopt;
 }
 
-void TaskJudge::add(const WalkSample& sample, const std::optional<double>& s_m) {
+void TaskJudge::add(const WalkSample& sample, const std::optional<double>& s_m, std::uint64_t before) {
   if (!task_) return;
+  const auto tick = static_cast<double>(sample.tick);
   if (!begun_) {
     if (sample.standing_still) return;
-    begun_ = sample.tick;
+    begun_ = tick;
     first_ = sample;
   }
-  const auto pass = [&](Moment& moment, double place_m) {
-    if (!moment && s_m && *s_m >= place_m) moment = sample.tick;
-  };
-  pass(edge_, task_->edge_m);
-  pass(far_edge_, lap_m_ - task_->edge_m);
+  const auto add = [&](Crossing& crossing, double left) { crossing.add(left, before, sample.tick); };
+  if (s_m) {
+    add(edge_, task_->edge_m - *s_m);
+    add(far_edge_, lap_m_ - task_->edge_m - *s_m);
+  }
   const double turned_rad = std::fabs(sample.psi_rad - first_.psi_rad);
-  if (!back_ && turned_rad >= kTaskBackHeading_deg * kDegree) back_ = sample.tick;
-  if (!back_ && turned_rad <= kTaskOutHeading_deg * kDegree) out_ = sample.tick;
-  if (end_) return;
-  if (at_end(sample, s_m))
-    end_ = sample.tick;
-  else
-    way_m_ += std::fabs(sample.speed_m_s) * kSample_s;
+  add(back_, kTaskBackHeading_deg * kDegree - turned_rad);
+  if (!back_.at() && turned_rad <= kTaskOutHeading_deg * kDegree) out_ = tick;
+  if (end_.at()) return;
+  if (const std::optional<double> left = left_to_end(sample, s_m)) add(end_, *left);
+  if (!end_.at()) way_m_ += std::fabs(sample.speed_m_s) * kSample_s;
 }
 
 NoFigure TaskJudge::why_not(const Walk& walk, const Comparison& comparison) const {
@@ -60,25 +61,27 @@ NoFigure TaskJudge::why_not(const Walk& walk, const Comparison& comparison) cons
   if (!walk.from_mark) return NoFigure::not_from_start;
   if (missing_s(walk) > kMissingMost_s) return NoFigure::part_missing;
   if (task_->ends == TaskEnd::distance && comparison.why != NoFigure::none) return comparison.why;
-  return end_ || task_->ends == TaskEnd::hand ? NoFigure::none : NoFigure::task_unfinished;
+  return end_.at() || task_->ends == TaskEnd::hand ? NoFigure::none : NoFigure::task_unfinished;
 }
 
 TaskResult TaskJudge::result(const Walk& walk, const Comparison& comparison) const {
   TaskResult out;
   out.why = why_not(walk, comparison);
-  if (out.why != NoFigure::none || !end_) return out;
+  if (out.why != NoFigure::none || !end_.at()) return out;
   const TaskEnd ends = task_->ends;
-  if (ends == TaskEnd::distance || ends == TaskEnd::turn || ends == TaskEnd::back) out.time_s = seconds_between(*begun_, *end_);
+  const double end = *end_.at();
+  if (ends == TaskEnd::distance || ends == TaskEnd::turn || ends == TaskEnd::back) out.time_s = seconds_between(*begun_, end);
   if (ends == TaskEnd::time) out.distance_m = way_m_;
   // The straight without its edges, where it was walked once.
   const double timed_m = lap_m_ - 2 * task_->edge_m;
-  if (ends == TaskEnd::distance && task_->edge_m > 0 && timed_m > 0 && edge_ && far_edge_ && *far_edge_ > *edge_)
-    out.timed_speed_m_s = timed_m / seconds_between(*edge_, *far_edge_);
+  if (ends == TaskEnd::distance && task_->edge_m > 0 && timed_m > 0 && edge_.at() && far_edge_.at() && *far_edge_.at() > *edge_.at())
+    out.timed_speed_m_s = timed_m / seconds_between(*edge_.at(), *far_edge_.at());
   // There and back: the turn lies between the headings of the way out and of the way back.
-  if (ends == TaskEnd::back && back_ && *back_ < *end_) {
+  if (ends == TaskEnd::back) out.why_no_phases = NoFigure::no_turn_back;
+  if (ends == TaskEnd::back && back_.at() && *back_.at() < end) {
     out.out_s = seconds_between(*begun_, *out_);
-    out.turning_s = seconds_between(*out_, *back_);
-    out.back_s = seconds_between(*back_, *end_);
+    out.turning_s = seconds_between(*out_, *back_.at());
+    out.back_s = seconds_between(*back_.at(), end);
   }
   return out;
 }

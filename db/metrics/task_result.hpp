@@ -26,29 +26,49 @@ struct TaskResult {
   std::optional<double> distance_m;  ///< of a task that ends by time
   std::optional<double> timed_speed_m_s;
   std::optional<double> out_s, turning_s, back_s;
+  NoFigure why_no_phases = NoFigure::no_task;  ///< where the last three are absent
+};
+
+/// When a quantity that falls reaches zero: between two recorded steps by its size, so that steps that are missing there shift the moment by
+/// little.
+class Crossing {
+ public:
+  /// `before`: the step recorded before `tick`.
+  void add(double left, std::uint64_t before, std::uint64_t tick) {
+    if (!at_ && left <= 0)
+      at_ = left_ ? static_cast<double>(before) + static_cast<double>(tick - before) * *left_ / (*left_ - left) : static_cast<double>(tick);
+    left_ = left;
+  }
+  [[nodiscard]] const std::optional<double>& at() const { return at_; }
+
+ private:
+  std::optional<double> left_, at_;  // the latest size; a step
 };
 
 class TaskJudge {
  public:
   TaskJudge(const std::optional<WalkTask>& task, const std::optional<contract::ReferencePath>& path);
-  /// The next sample that counts; `s_m`: its place along the exercise, absent where it has none.
-  void add(const WalkSample& sample, const std::optional<double>& s_m);
+  /// The next sample that counts; `s_m`: its place along the exercise, absent where it has none; `before`: the step recorded before it, in any
+  /// mode.
+  void add(const WalkSample& sample, const std::optional<double>& s_m, std::uint64_t before);
   [[nodiscard]] TaskResult result(const Walk& walk, const Comparison& comparison) const;
 
  private:
-  using Moment = std::optional<std::uint64_t>;  // a step
-  [[nodiscard]] bool at_end(const WalkSample& sample, const std::optional<double>& s_m);
-  [[nodiscard]] static double seconds_between(std::uint64_t from, std::uint64_t to) { return static_cast<double>(to - from) * kSample_s; }
+  // Falls to zero at the end; nothing where that is not known.
+  [[nodiscard]] std::optional<double> left_to_end(const WalkSample& sample, const std::optional<double>& s_m);
+  [[nodiscard]] static double seconds_between(double from, double to) { return (to - from) * kSample_s; }
   [[nodiscard]] NoFigure why_not(const Walk& walk, const Comparison& comparison) const;
 
   std::optional<WalkTask> task_;
   double lap_m_ = 0;
-  Moment begun_, end_;
+  std::optional<double> begun_;  // a step
+  Crossing end_;
   WalkSample first_;  // of the first movement
   double way_m_ = 0;
   bool far_ = false;
-  Moment edge_, far_edge_;  // first sample beyond these places
-  Moment out_, back_;       // last one in the heading of the way out, first one in that of the way back
+  Crossing edge_, far_edge_;
+  std::optional<double> out_;  // last step in the heading of the way out
+  Crossing back_;              // into that of the way back
 };
 
 }  // namespace hoist::db

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "control/contract/faults.hpp"
+#include "db/metrics/no_figure.hpp"
 
 namespace hoist::db {
 
@@ -51,10 +52,10 @@ struct Walk {
   std::uint64_t missing_samples = 0;
   /// A new start mark, or another mode in charge, between two of the samples: they are not one walk.
   bool several_walks = false;
-  bool from_mark = true;  ///< the first sample is at the start mark; false: the walk went on from an earlier recording
-  bool has_sway = true;   ///< false: the recording has no dy_m
-  bool has_lean = true;   ///< false: it has no lean_norm or dx_m
-  bool settings_changed = false;
+  bool from_mark = true;          ///< the first sample is at the start mark; false: the walk went on from an earlier recording
+  bool has_sway = true;           ///< false: the recording has no dy_m
+  bool has_lean = true;           ///< false: it has no lean_norm or dx_m
+  bool settings_changed = false;  ///< between the session's begin and one of the samples
 
   // Of the samples that count.
   std::uint64_t samples = 0;
@@ -66,6 +67,8 @@ struct Walk {
 
   void add(const WalkSample& sample);
 };
+/// Why there is no bout in it (bouts.hpp).
+[[nodiscard]] inline NoFigure why_no_bout(const Walk& walk) { return walk.in_motion > 0 ? NoFigure::no_bout : NoFigure::no_motion; }
 
 /// The runs of samples in which the hoist is faster than kBout_m_s, without a gap.
 inline constexpr double kBout_m_s = 0.05;

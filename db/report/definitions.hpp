@@ -31,7 +31,10 @@ inline constexpr std::string_view kTurns =
     "als 45°";
 inline constexpr std::string_view kTask =
     "eine Wiederholung einer solchen Aufgabe, von ihrer Startmarke bis zu ihrem Ende; ein Gang; höchstens 0,5 s fehlen";
-inline constexpr std::string_view kLed = "der Patient hat geführt; Einstellungen dabei nicht geändert";
+inline constexpr std::string_view kPhase =
+    "eine Wiederholung einer solchen Aufgabe, von ihrer Startmarke bis zu ihrem Ende; ein Gang; höchstens 0,5 s fehlen; vor dem Ende um "
+    "160 Grad gedreht";
+inline constexpr std::string_view kLed = "der Patient hat geführt; Einstellungen seit Beginn der Sitzung nicht geändert";
 inline constexpr std::array kAll{
 #define HOIST_DEFINITION_DE(key, version, formula, gate, source) Definition{#key, version, formula, gate, source},
 #include "db/report/definitions_de.def"

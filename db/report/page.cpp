@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "db/store/exercise_json.hpp"
 #include "db/store/tasks.hpp"
@@ -47,11 +48,32 @@ std::string cell_html(const Cell& cell) {
          (cell.style == Cell::Style::english ? " lang=\"en\">" : ">") + escaped(cell.text) + "</td>";
 }
 
+// How far or how long; empty for a task that the therapist ends.
+std::string goal_text(const TaskRecord& record, Language language) {
+  switch (record.ends) {
+    case TaskEnd::distance:
+      return word(Word::laps, language, {number_text(record.goal, 0, language)});
+    case TaskEnd::time:
+      return clock_text(record.goal) + "\u00a0min";
+    case TaskEnd::turn:
+      return number_text(record.goal * 180 / std::numbers::pi, 0, language) + "°";
+    case TaskEnd::back:
+      return number_text(record.goal, 1, language) + "\u00a0m";
+    case TaskEnd::hand:
+      break;
+  }
+  return {};
+}
+
 std::string task_text(const TaskRecord& record, Language language) {
   std::string title = record.task;
-  if (const TaskInfo* task = find_task(record.task))
+  double usual_goal = 1;  // of a task that this version does not have: once along its line
+  if (const TaskInfo* task = find_task(record.task)) {
     title = nlohmann::json::parse(task->text).at("title").at(language == Language::de ? "de" : "en").get<std::string>();
+    usual_goal = task->goal.usual;
+  }
   if (!record.line.empty()) title = record.line;
+  if (const std::string goal = goal_text(record, language); !goal.empty() && record.goal != usual_goal) title += " (" + goal + ")";
   return word(Word::repetition, language, {title, std::to_string(record.repetition), std::to_string(record.repetitions)});
 }
 

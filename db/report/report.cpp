@@ -315,13 +315,18 @@ Status add_setting_changes(Page& page, Database& database, const SessionInfo& se
 
 }  // namespace
 
-Result<ReportSession> read_report_session(Database& database, SessionId session) {
-  auto info = SessionReader(database).get(session);
-  if (!info) return info.error();
-  if (info->recording) return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is still being recorded", {}};
-  auto metrics = session_metrics(database, session);
+Result<ReportReading> ReportReading::open(Database& database, SessionId session) {
+  auto metrics = MetricsReading::open(database, session);
   if (!metrics) return metrics.error();
-  return ReportSession{std::move(*info), std::move(*metrics)};
+  if (metrics->info().recording)
+    return Error{ErrorKind::wrong_state, "session " + std::to_string(session) + " is still being recorded", {}};
+  return ReportReading(std::move(*metrics));
+}
+
+Result<ReportSession> read_report_session(Database& database, SessionId session) {
+  auto reading = ReportReading::open(database, session);
+  if (!reading) return reading.error();
+  return read_whole(database, *reading);
 }
 
 Result<std::vector<TrendSession>> report_trend(Database& database, const SessionInfo& session) {

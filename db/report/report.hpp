@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "db/report/options.hpp"
@@ -25,6 +26,17 @@ struct ReportSession {
 };
 /// Errors: not_found, not_now (still being recorded), corrupt, io.
 [[nodiscard]] Result<ReportSession> read_report_session(Database& database, SessionId session);
+/// The same in pieces.
+class ReportReading {
+ public:
+  static Result<ReportReading> open(Database& database, SessionId session);
+  Result<bool> piece(Database& database) { return metrics_.piece(database); }
+  ReportSession take() { return {metrics_.info(), metrics_.take()}; }
+
+ private:
+  explicit ReportReading(MetricsReading metrics) : metrics_(std::move(metrics)) {}
+  MetricsReading metrics_;
+};
 
 /// The sessions that the progress of a report is made of: of the same patient's comparable ones this one, the newest before it, and the first. None
 /// of a simulated session and of one without a patient. Errors: busy, io.

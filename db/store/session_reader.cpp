@@ -177,10 +177,15 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
     sqlite3* handle = database_->handle();
     Transaction transaction(handle, Transaction::Kind::read);
     SessionPage page;
-    const std::string fits = std::string(query.standby ? "1 " : "standby = 0 ") + (query.subject ? "AND code_has(code, ?3) " : "");
+    const std::string fits = std::string(query.standby ? "1 " : "standby = 0 ") + (query.subject ? "AND code_has(code, ?3) " : "") +
+                             (query.patient ? "AND patient_id = ?4 " : "");
+    const auto bind = [&query](Statement& statement) {
+      if (query.subject) statement.text(3, query.subject);
+      if (query.patient) statement.integer(4, *query.patient);
+    };
     {
       Statement count(handle, std::string("SELECT count(*) FROM ") + kSessions + "WHERE " + fits);
-      if (query.subject) count.text(3, query.subject);
+      bind(count);
       if (count.step()) page.total = count.unsigned_at(0);
     }
     Statement rows(handle,
@@ -188,7 +193,7 @@ Result<SessionPage> SessionReader::list(const SessionQuery& query) const {
     rows.integer(1, query.before.value_or(std::numeric_limits<std::int64_t>::max()));
     // One more than asked tells whether a next page exists.
     rows.unsigned_integer(2, query.limit + 1);
-    if (query.subject) rows.text(3, query.subject);
+    bind(rows);
     while (rows.step()) {
       if (page.sessions.size() == query.limit) {
         page.next = page.sessions.back().id;
@@ -208,6 +213,11 @@ Result<SessionInfo> SessionReader::get(SessionId session) const {
     if (!row.integer(1, session).step()) return no_such_session(session);
     return info_of(row);
   });
+}
+
+Result<bool> SessionReader::has(SessionId session) const {
+  return guarded(
+      [&]() -> Result<bool> { return Statement(database_->handle(), "SELECT 1 FROM sessions WHERE id = ?1").integer(1, session).step(); });
 }
 
 Result<std::vector<ColumnInfo>> SessionReader::columns(SessionId session) const {

@@ -20,10 +20,11 @@ inline constexpr std::size_t kMaxOverviewRuns = 4000;    ///< runs of one overvi
 inline constexpr std::size_t kMaxReadSamples = 1000000;  ///< samples of one read_columns; more is refused: ask for less or for the overview
 
 struct SessionQuery {
-  std::size_t limit = 50;              ///< 1 to kMaxPage
-  std::optional<SessionId> before;     ///< only sessions older than this one: the cursor of the page before
-  std::optional<std::string> subject;  ///< only codes that contain this, capital or small
-  bool standby = false;                ///< also what was recorded in standby
+  std::size_t limit = 50;                    ///< 1 to kMaxPage
+  std::optional<SessionId> before;           ///< only sessions older than this one: the cursor of the page before
+  std::optional<std::string> subject;        ///< only codes that contain this, capital or small
+  std::optional<std::int64_t> patient = {};  ///< only sessions in visits of this patient
+  bool standby = false;                      ///< also what was recorded in standby
 };
 struct SessionPage {
   std::vector<SessionInfo> sessions;  ///< newest first
@@ -43,6 +44,7 @@ class SessionReader {
 
   Result<SessionPage> list(const SessionQuery& query = {}) const;
   Result<SessionInfo> get(SessionId session) const;
+  Result<bool> has(SessionId session) const;
   /// The columns this session was recorded with, in their order: those of its own time, not today's.
   Result<std::vector<ColumnInfo>> columns(SessionId session) const;
   /// Samples as doubles. An unknown name is bad_value, more than kMaxReadSamples too.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -34,22 +35,29 @@ std::optional<TrendSession> walk_of(sqlite3* handle, SessionId session) {
 
 // `rows`: from the newest walk to the oldest.
 void read_page(Statement& rows, std::size_t limit, const std::optional<json>& wanted, TrendPage& page) {
-  std::vector<std::pair<json, std::optional<TrendSession>>> kinds;  // with the oldest walk behind the items
+  struct Kind {
+    json walked;
+    std::optional<TrendSession> oldest = {};          // behind the items
+    std::map<std::int64_t, std::int64_t> walks = {};  // of each visit, so far
+  };
+  std::vector<Kind> kinds;
   while (rows.step()) {
     TrendSession session = session_at(rows);
     json kind = walked_as(session);
     if (wanted && kind != *wanted) continue;
-    const auto known = std::ranges::find(kinds, kind, [](const auto& one) -> const json& { return one.first; });
-    if (page.items.size() < limit) {
-      if (known == kinds.end()) kinds.emplace_back(std::move(kind), std::nullopt);
+    auto known = std::ranges::find(kinds, kind, &Kind::walked);
+    const bool item = page.items.size() < limit;
+    if (item && known == kinds.end()) known = kinds.insert(kinds.end(), {.walked = std::move(kind)});
+    if (known != kinds.end()) session.place = -known->walks[session.visit]++;
+    if (item) {
       page.items.push_back(std::move(session));
     } else {
       page.next = page.items.back().session;
-      if (known != kinds.end()) known->second = std::move(session);
+      if (known != kinds.end()) known->oldest = std::move(session);
     }
   }
-  for (auto& [kind, oldest] : kinds)
-    if (oldest) page.firsts.push_back(std::move(*oldest));
+  for (Kind& kind : kinds)
+    if (kind.oldest) page.firsts.push_back(std::move(*kind.oldest));
   std::ranges::sort(page.firsts, std::ranges::greater{}, &TrendSession::session);
 }
 
@@ -59,7 +67,9 @@ json walked_as(const TrendSession& session) {
   json exercise = exercise_as_told(session.exercise_json);
   if (exercise.is_null()) exercise = {{"shape", "free"}};
   const auto task = task_of_stored(session.exercise_json);
-  return json::array({std::move(exercise), task ? json(task->task) : json(nullptr)});
+  if (!task) return json::array({std::move(exercise), nullptr, nullptr});
+  return json::array(
+      {std::move(exercise), task->task, {{"by", task_end_name(task->ends)}, {"goal", task->goal}, {"edge_m", task->edge_m}}});
 }
 
 bool comparable(const TrendSession& a, const TrendSession& b) { return walked_as(a) == walked_as(b); }

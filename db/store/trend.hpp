@@ -18,11 +18,14 @@ struct TrendSession {
   std::string day;  ///< of the visit
   std::int64_t started_utc_ns = 0;
   std::optional<std::string> exercise_json;
+  /// Among the comparable walks of its visit, with a figure or without: 0 is the newest one read, -1 the walk before it.
+  std::int64_t place = 0;
 };
 
-/// What makes walks comparable: [exercise with its sizes, name of the task or null]. Free walking is no exercise, or one that only a task names.
+/// What makes walks comparable: [exercise with its sizes, name of the task, {"by", "goal", "edge_m"} of its end]; both null without a task.
+/// Free walking is no exercise, or one that only a task names.
 [[nodiscard]] nlohmann::json walked_as(const TrendSession& session);
-/// Whether two walks may be compared: the same exercise with the same sizes, and the same task, whichever repetition.
+/// Whether two walks may be compared: the same exercise with the same sizes, and the same task with the same goal, whichever repetition.
 [[nodiscard]] bool comparable(const TrendSession& a, const TrendSession& b);
 
 struct TrendQuery {

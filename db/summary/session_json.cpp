@@ -51,12 +51,17 @@ nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<s
   return told;
 }
 
-Result<nlohmann::json> session_metrics_json(Database& database, SessionId session) {
-  const auto info = SessionReader(database).get(session);
-  if (!info) return info.error();
-  const auto metrics = session_metrics(database, session);
+Result<FiguresReading> FiguresReading::open(Database& database, SessionId session) {
+  auto metrics = MetricsReading::open(database, session);
   if (!metrics) return metrics.error();
-  return metrics_json(*metrics, info->exercise_json);
+  return FiguresReading(std::move(*metrics));
+}
+nlohmann::json FiguresReading::take() { return metrics_json(metrics_.take(), metrics_.info().exercise_json); }
+
+Result<nlohmann::json> session_metrics_json(Database& database, SessionId session) {
+  auto reading = FiguresReading::open(database, session);
+  if (!reading) return reading.error();
+  return read_whole(database, *reading);
 }
 
 nlohmann::json session_json(const SessionInfo& session) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "db/store/session_types.hpp"
 #include "db/summary/session_metrics.hpp"
@@ -14,8 +15,18 @@ namespace hoist::db {
 /// "reason_if_none" and "reason_code" of C and J_N.
 nlohmann::json metrics_json(const SessionMetrics& metrics, const std::optional<std::string>& exercise);
 
-/// The same of a stored session: what REST and `hoist metrics` answer.
-/// Errors: not_found, corrupt, io.
+/// The same of a stored session, read in pieces: what REST and `hoist metrics` answer. Errors: those of MetricsReading.
+class FiguresReading {
+ public:
+  static Result<FiguresReading> open(Database& database, SessionId session);
+  Result<bool> piece(Database& database) { return metrics_.piece(database); }
+  nlohmann::json take();
+
+ private:
+  explicit FiguresReading(MetricsReading metrics) : metrics_(std::move(metrics)) {}
+  MetricsReading metrics_;
+};
+/// In one piece.
 Result<nlohmann::json> session_metrics_json(Database& database, SessionId session);
 /// A session as the list of sessions and one session's page tell it.
 nlohmann::json session_json(const SessionInfo& session);

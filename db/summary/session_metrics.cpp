@@ -20,7 +20,8 @@
 #include "db/store/tasks.hpp"
 
 namespace hoist::db {
-namespace {
+// With a name: MetricsReading::State, which other files know of, holds some of these.
+inline namespace session_figures {
 
 // Adds up the steps missing in gaps that touch motion, while the samples go by.
 class MissingSteps {
@@ -54,6 +55,9 @@ std::uint64_t hash_of(const std::vector<Gap>& gaps) {
     hash = contract::hash_number(contract::hash_number(contract::hash_bytes(hash, gap.stream), gap.from_tick), gap.to_tick);
   return hash;
 }
+
+// Samples of one piece: a few milliseconds' work. More than one chunk, because each piece prepares its statements.
+constexpr std::size_t kPieceSamples = 30'000;
 
 /// From here on a walk that has not been recorded before lies between mark and sample.
 constexpr double kAtMark_m = 0.05;
@@ -107,36 +111,34 @@ struct Places {
   }
 };
 
-// The stored samples of a session, chunk by chunk: what is recorded or folded meanwhile changes nothing. Throws SqlFailure.
+// The stored samples of a session, piece by piece: what is recorded or folded meanwhile changes nothing. Nothing of the database is held between
+// two pieces. Throws SqlFailure.
 class StoredWalk {
  public:
-  StoredWalk(Database& database, SessionId session, std::span<const ColumnInfo> layout, const Places& places)
-      : handle_(database.handle()), source_(handle_, session, layout.size()) {
+  StoredWalk(Database& database, const SessionInfo& session, std::span<const ColumnInfo> layout, const Places& places)
+      : session_(session.id), started_utc_ns_(session.started_utc_ns), columns_(layout.size()) {
     for (const std::string_view name : {std::string_view("tick"), std::string_view("time_ns")}) add(layout, name);
     for (const std::string& name : places.names) add(layout, name);
-    Statement newest(handle_, "SELECT max(last_tick) FROM chunks WHERE session_id = ?1");
-    if (newest.integer(1, session).step() && !newest.is_null(0)) last_tick_ = newest.unsigned_at(0);
+    Statement newest(database.handle(), "SELECT max(last_tick) FROM chunks WHERE session_id = ?1");
+    if (newest.integer(1, session_).step() && !newest.is_null(0)) last_tick_ = newest.unsigned_at(0);
   }
   [[nodiscard]] bool empty() const { return !last_tick_; }
   void rewind() { next_tick_ = 0; }
 
-  // Calls `use(tick, values)` with the next samples, the values in the order of Places; false at the end.
+  // Calls `use(tick, values)` with the next samples, the values in the order of Places; false after the last ones.
   template <typename Use>
-  bool next(Use use) {
-    if (!last_tick_ || next_tick_ > *last_tick_) return false;
-    const Transaction transaction(handle_, Transaction::Kind::read);
-    const std::optional<StoredChunk> chunk = source_.at_or_after(next_tick_);
-    if (!chunk || chunk->first_tick > *last_tick_) return false;
-    source_.load(*chunk, which_, stored_);
-    std::vector<double> values(which_.size() - 2);
-    for (std::size_t i = 0; i < stored_[0].size(); ++i) {
-      const auto tick = static_cast<std::uint64_t>(stored_[0][i]);
-      if (tick < next_tick_ || tick > *last_tick_) continue;
-      for (std::size_t c = 0; c < values.size(); ++c) values[c] = static_cast<double>(stored_[c + 2][i]) / scale_[c + 2];
-      use(tick, std::span<const double>(values));
+  bool piece(Database& database, Use use) {
+    const Transaction transaction(database.handle(), Transaction::Kind::read);
+    check_there(database.handle());
+    ChunkSource source(database.handle(), session_, columns_);
+    for (std::size_t read = 0; read < kPieceSamples && next_tick_ <= *last_tick_; read += stored_[0].size()) {
+      const std::optional<StoredChunk> chunk = source.at_or_after(next_tick_);
+      if (!chunk || chunk->first_tick > *last_tick_) return false;
+      source.load(*chunk, which_, stored_);
+      give(use);
+      next_tick_ = chunk->last_tick + 1;
     }
-    next_tick_ = chunk->last_tick + 1;
-    return true;
+    return next_tick_ <= *last_tick_;
   }
 
  private:
@@ -146,8 +148,25 @@ class StoredWalk {
     which_.push_back(*found);
     scale_.push_back(decimal_scale(layout[*found].decimals));
   }
-  sqlite3* handle_;
-  ChunkSource source_;
+  // Between two pieces the session may be deleted, or a backup with another session of this number put in the place of the file.
+  void check_there(sqlite3* handle) const {
+    Statement row(handle, "SELECT 1 FROM sessions WHERE id = ?1 AND started_utc_ns = ?2");
+    if (!row.integer(1, session_).integer(2, started_utc_ns_).step())
+      throw SqlFailure{Error{ErrorKind::not_found, "session " + std::to_string(session_) + " was deleted meanwhile", {}}};
+  }
+  template <typename Use>
+  void give(Use& use) {
+    std::vector<double> values(which_.size() - 2);
+    for (std::size_t i = 0; i < stored_[0].size(); ++i) {
+      const auto tick = static_cast<std::uint64_t>(stored_[0][i]);
+      if (tick < next_tick_ || tick > *last_tick_) continue;
+      for (std::size_t c = 0; c < values.size(); ++c) values[c] = static_cast<double>(stored_[c + 2][i]) / scale_[c + 2];
+      use(tick, std::span<const double>(values));
+    }
+  }
+  SessionId session_;
+  std::int64_t started_utc_ns_;
+  std::size_t columns_;
   std::vector<std::size_t> which_;  // tick, time_ns, then the others
   std::vector<double> scale_;
   std::vector<std::vector<std::int64_t>> stored_;
@@ -183,6 +202,7 @@ class FirstReading {
   void add(std::uint64_t tick, std::span<const double> values) {
     for (std::size_t c = 0; c < values.size(); ++c)
       hashes_[c] = contract::hash_number(contract::hash_number(hashes_[c], tick), std::bit_cast<std::uint64_t>(values[c]));
+    if (!version_) version_ = version_in(values);
     const std::optional<WalkSample> sample = sample_of(places_, tick, values);
     missing_.sample(tick, sample && counts(*sample));
     if (!sample) return;
@@ -201,15 +221,16 @@ class FirstReading {
     const double mark = places_.start_mark == Places::kNone ? 0.0 : values[places_.start_mark];
     if (walk.samples == 0) walk.from_mark = distance_m <= kAtMark_m;
     walk.several_walks = one_walk_.broken(static_cast<std::size_t>(sample.mode), distance_m, mark) || walk.several_walks;
-    const double version = places_.version == Places::kNone ? 0.0 : values[places_.version];
-    walk.settings_changed = (walk.samples > 0 && version != version_) || walk.settings_changed;
-    version_ = version;
+    walk.settings_changed = version_in(values) != *version_ || walk.settings_changed;
+  }
+  [[nodiscard]] double version_in(std::span<const double> values) const {
+    return places_.version == Places::kNone ? 0.0 : values[places_.version];
   }
 
   const Places& places_;
   MissingSteps missing_;
   OneWalk one_walk_;
-  double version_ = 0;
+  std::optional<double> version_;  // of the settings at the session's begin, also in standby
   Analyser& analyser_;
   std::vector<std::uint64_t> hashes_;
 };
@@ -230,28 +251,7 @@ std::optional<WalkSettings> settings_of(const std::vector<std::pair<std::string,
   return settings;
 }
 
-// Reads the session as often as the analysis needs.
-Analysis analysis_of(Database& database, SessionId session, std::span<const ColumnInfo> layout, Analyser& analyser, SessionMetrics& out) {
-  const Places places(layout, out.track == "fused");
-  StoredWalk stored(database, session, layout, places);
-  if (stored.empty()) return analyser.result();
-  Result<std::vector<Gap>> gaps = SessionReader(database).gaps(session);
-  if (!gaps) throw SqlFailure{gaps.error()};
-  out.inputs["gaps"] = hash_of(*gaps);
-  FirstReading first(places, std::move(*gaps), analyser);
-  while (stored.next([&](std::uint64_t tick, std::span<const double> values) { first.add(tick, values); })) continue;
-  first.end(out.inputs);
-  while (analyser.again()) {
-    stored.rewind();
-    while (stored.next([&](std::uint64_t tick, std::span<const double> values) {
-      if (const auto sample = sample_of(places, tick, values)) analyser.add(*sample);
-    }))
-      continue;
-  }
-  return analyser.result();
-}
-
-}  // namespace
+}  // namespace session_figures
 
 const Figure& SessionMetrics::operator[](std::string_view key) const {
   for (std::size_t i = 0; i < kMetrics.size(); ++i)
@@ -259,14 +259,54 @@ const Figure& SessionMetrics::operator[](std::string_view key) const {
   std::abort();
 }
 
-Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
-  return guarded([&]() -> Result<SessionMetrics> {
+struct MetricsReading::State {
+  State(Database& database, SessionInfo of, std::span<const ColumnInfo> layout)
+      : info(std::move(of)), places(layout, find_column(layout, "fused_psi_rad").has_value()), stored(database, info, layout, places) {}
+
+  bool piece(Database& database) {
+    if (!stored.empty() && stored.piece(database, [this](std::uint64_t tick, std::span<const double> values) { add(tick, values); }))
+      return true;
+    if (first) first->end(out.inputs);
+    first.reset();
+    if (!stored.empty() && analyser->again()) {
+      stored.rewind();
+      return true;
+    }
+    const Analysis analysis = analyser->result();
+    out.figures = figures_of(analysis);
+    out.start_m = analysis.comparison.start_m;
+    out.why_absent = out["C"].value ? out["J_N"].why : out["C"].why;
+    return false;
+  }
+  void add(std::uint64_t tick, std::span<const double> values) {
+    if (first)
+      first->add(tick, values);
+    else if (const auto sample = sample_of(places, tick, values))
+      analyser->add(*sample);
+  }
+
+  SessionInfo info;
+  Places places;
+  StoredWalk stored;
+  SessionMetrics out;
+  std::optional<Analyser> analyser;
+  std::optional<FirstReading> first;  // during the first reading
+};
+
+MetricsReading::MetricsReading(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MetricsReading::MetricsReading(MetricsReading&&) noexcept = default;
+MetricsReading& MetricsReading::operator=(MetricsReading&&) noexcept = default;
+MetricsReading::~MetricsReading() = default;
+
+Result<MetricsReading> MetricsReading::open(Database& database, SessionId session) {
+  return guarded([&]() -> Result<MetricsReading> {
     const SessionReader reader(database);
     const Result<SessionInfo> info = reader.get(session);
     if (!info) return info.error();
     const Result<std::vector<ColumnInfo>> layout = reader.columns(session);
     if (!layout) return layout.error();
-    SessionMetrics out;
+    auto state = std::make_unique<State>(database, *info, *layout);
+    SessionMetrics& out = state->out;
     out.session = session;
     out.track = find_column(*layout, "fused_psi_rad") ? "fused" : "encoders";
     std::optional<contract::ReferencePath> path;
@@ -282,13 +322,27 @@ Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
     }
     const auto parameters = reader.parameters(session);
     if (!parameters) return parameters.error();
-    Analyser analyser(path, task, info->sample_count > 0 ? settings_of(*parameters, out.inputs) : std::nullopt);
-    const Analysis analysis = analysis_of(database, session, *layout, analyser, out);
-    out.figures = figures_of(analysis);
-    out.start_m = analysis.comparison.start_m;
-    out.why_absent = out["C"].value ? out["J_N"].why : out["C"].why;
-    return out;
+    state->analyser.emplace(path, task, info->sample_count > 0 ? settings_of(*parameters, out.inputs) : std::nullopt);
+    if (!state->stored.empty()) {
+      Result<std::vector<Gap>> gaps = reader.gaps(session);
+      if (!gaps) return gaps.error();
+      out.inputs["gaps"] = hash_of(*gaps);
+      state->first.emplace(state->places, std::move(*gaps), *state->analyser);
+    }
+    return MetricsReading(std::move(state));
   });
+}
+
+Result<bool> MetricsReading::piece(Database& database) {
+  return guarded([&]() -> Result<bool> { return state_->piece(database); });
+}
+SessionMetrics MetricsReading::take() { return std::move(state_->out); }
+const SessionInfo& MetricsReading::info() const { return state_->info; }
+
+Result<SessionMetrics> session_metrics(Database& database, SessionId session) {
+  auto reading = MetricsReading::open(database, session);
+  if (!reading) return reading.error();
+  return read_whole(database, *reading);
 }
 
 }  // namespace hoist::db

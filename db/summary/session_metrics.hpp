@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -29,7 +30,38 @@ struct SessionMetrics {
   [[nodiscard]] const Figure& operator[](std::string_view key) const;
 };
 
-/// Reads the session chunk by chunk, up to three times: the memory does not grow with it. Errors: not_found, corrupt, io.
+/// The figures of a session, read in pieces: of a recording of hours the whole takes seconds, and the recorder's thread must go on between two
+/// pieces. Holds nothing of the database between them, so the pieces may run on any thread, one after the other. Reads up to nine times; the
+/// memory does not grow with the session. Errors: not_found, also when the session was deleted meanwhile; corrupt; io.
+class MetricsReading {
+ public:
+  static Result<MetricsReading> open(Database& database, SessionId session);
+  MetricsReading(MetricsReading&&) noexcept;
+  MetricsReading& operator=(MetricsReading&&) noexcept;
+  ~MetricsReading();
+  /// False once take() can be called.
+  Result<bool> piece(Database& database);
+  SessionMetrics take();
+  /// As it was when the reading began.
+  [[nodiscard]] const SessionInfo& info() const;
+
+ private:
+  struct State;
+  explicit MetricsReading(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// All pieces of a reading at once.
+template <typename Reading>
+auto read_whole(Database& database, Reading& reading) -> Result<decltype(reading.take())> {
+  for (;;) {
+    const Result<bool> more = reading.piece(database);
+    if (!more) return more.error();
+    if (!*more) return reading.take();
+  }
+}
+
+/// In one piece.
 Result<SessionMetrics> session_metrics(Database& database, SessionId session);
 
 }  // namespace hoist::db

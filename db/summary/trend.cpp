@@ -14,7 +14,11 @@ namespace hoist::db {
 using nlohmann::json;
 
 namespace {
-json task_name(const TrendSession& session) { return walked_as(session)[1]; }
+// What was walked, with the names of REST.
+json walked_json(const TrendSession& session) {
+  const json walked = walked_as(session);
+  return {{"exercise", exercise_as_told(session.exercise_json)}, {"task", walked[1]}, {"ends", walked[2]}};
+}
 
 // Only what it is called: walks are compared along the same points.
 json line_name(const TrendSession& session) {
@@ -43,14 +47,17 @@ std::vector<Measured> values_of(std::span<const TrendEntry* const> newest_first,
   std::vector<Measured> values;
   for (const TrendEntry* entry : newest_first)
     if (entry->metrics && entry->metrics->figures[figure].value)
-      values.push_back({entry->session.session, entry->session.visit, *entry->metrics->figures[figure].value});
+      values.push_back({entry->session.session, entry->session.visit, *entry->metrics->figures[figure].value, entry->session.place});
   std::ranges::reverse(values);
   return values;
 }
 }  // namespace
 
 Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session) {
-  auto metrics = session_metrics(database, session.session);
+  return trend_entry(session, session_metrics(database, session.session));
+}
+
+Result<std::optional<TrendEntry>> trend_entry(const TrendSession& session, Result<SessionMetrics> metrics) {
   if (metrics) return std::optional(TrendEntry{session, std::move(*metrics)});
   if (metrics.error().kind == ErrorKind::not_found) return std::optional<TrendEntry>{};
   // A damaged recording is a gap in the trend, not its end.
@@ -73,16 +80,15 @@ std::vector<FigureChange> changes_in(std::span<const TrendEntry> entries) {
 
 json trend_item_json(const TrendEntry& entry) {
   const TrendSession& session = entry.session;
-  json row{{"session", session.session},
-           {"visit", session.visit},
-           {"day", session.day},
-           {"started_utc_ms", session.started_utc_ns / 1'000'000},
-           {"exercise", exercise_as_told(session.exercise_json)},
-           {"task", task_name(session)},
-           {"line", line_name(session)},
-           {"figures", nullptr},
-           {"reasons", json::object()},
-           {"reason_code", nullptr}};
+  json row = walked_json(session);
+  row.update({{"session", session.session},
+              {"visit", session.visit},
+              {"day", session.day},
+              {"started_utc_ms", session.started_utc_ns / 1'000'000},
+              {"line", line_name(session)},
+              {"figures", nullptr},
+              {"reasons", json::object()},
+              {"reason_code", nullptr}});
   if (!entry.metrics) return row;
   const json told = metrics_json(*entry.metrics, session.exercise_json);
   row["figures"] = json::object();
@@ -116,20 +122,20 @@ json change_json(const FigureChange& one) {
   const Change& change = one.change;
   json whom = nullptr;
   if (change.published != nullptr) whom = {{"en", change.published->whom_en}, {"de", change.published->whom_de}};
-  return {{"exercise", exercise_as_told(one.walked.exercise_json)},
-          {"task", task_name(one.walked)},
-          {"figure", one.figure},
-          {"first_session", change.first.session},
-          {"last_session", change.last.session},
-          {"first", change.first.value},
-          {"last", change.last.value},
-          {"minimal_detectable_change", change.minimal ? json(*change.minimal) : json(nullptr)},
-          {"source", change.published != nullptr ? json(change.published->source) : json(nullptr)},
-          {"whom", std::move(whom)},
-          {"repeats", change.repeats},
-          {"reason_code", why_json(change.why)},
-          {"retention", retention_json(one.retention)},
-          {"learning", learning_json(one.learning)}};
+  json row = walked_json(one.walked);
+  row.update({{"figure", one.figure},
+              {"first_session", change.first.session},
+              {"last_session", change.last.session},
+              {"first", change.first.value},
+              {"last", change.last.value},
+              {"minimal_detectable_change", change.minimal ? json(*change.minimal) : json(nullptr)},
+              {"source", change.published != nullptr ? json(change.published->source) : json(nullptr)},
+              {"whom", std::move(whom)},
+              {"repeats", change.repeats},
+              {"reason_code", why_json(change.why)},
+              {"retention", retention_json(one.retention)},
+              {"learning", learning_json(one.learning)}});
+  return row;
 }
 
 }  // namespace hoist::db

@@ -20,9 +20,11 @@ struct TrendEntry {
 };
 /// Nothing when the session was deleted meanwhile. Errors: busy, io.
 Result<std::optional<TrendEntry>> trend_entry(Database& database, const TrendSession& session);
+/// The same of figures that were read in pieces, or of why they could not be.
+Result<std::optional<TrendEntry>> trend_entry(const TrendSession& session, Result<SessionMetrics> metrics);
 
 struct FigureChange {
-  TrendSession walked;  ///< one of the compared sessions: their exercise and task
+  TrendSession walked;  ///< one of the compared sessions: their exercise, task and goal
   std::string_view figure;
   Change change;
   std::optional<Change> retention;

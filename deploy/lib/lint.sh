@@ -19,7 +19,7 @@ cpp_files() { git ls-files -z -- '*.cpp' '*.hpp' '*.h'; }
 shell_files() { git ls-files -z -- deploy/dev .ci/run '*.sh'; }
 
 # clang-tidy costs seconds per source, so it gets a fixed time: what was changed last comes first, and it says how far it came.
-tidy_time_s=90
+tidy_time_s=60
 
 # Sources of the compile database, those of the latest commits first. Tests are left out: GoogleTest's macros cost much and say little.
 tidy_sources() {

@@ -76,7 +76,7 @@ begin_beside "$normal/web.log" timed "tests of the console" run_console_suites "
 (
   give_way
   step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
-  step "chaos: 500 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 500
+  step "chaos: 400 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 400
   step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
   timed "build with AddressSanitizer" build_sanitized all proofs || record_step "$static" failed "sanitized build" "see above"
   timed "build with ThreadSanitizer" build_thread_tests "$threads"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "firmware/sim/model.hpp"
 #include "firmware/sim/random.hpp"
@@ -14,11 +15,11 @@ namespace hoist::sim {
 
 /// How uneven a patient's gait is. With zeros every stride is the same and a standing patient is still.
 struct GaitVariation {
-  double stride_time_norm{};  ///< coefficient of variation of the stride time
+  double stride_time_norm{};  ///< coefficient of variation of the stride time, in a walk of a minute
   double lasting_norm{0.5};   ///< share of that variance that lasts over many strides
   double step_size_norm{};    ///< coefficient of variation of each step's sway: sideways, forward and turning, drawn apart
   double within_norm{};       ///< wandering inside a stride, RMS, as a share of the sway
-  double stand_sway_m{};      ///< RMS forward and back of a standing patient without springs, which take about half; sideways 60 % of it
+  double stand_sway_m{};      ///< RMS forward and back of a standing patient without springs, which take about half; sideways 30 % of it
   double freezes_per_min{};   ///< how often the feet freeze while the hoist rolls
   double freeze_s{};          ///< mean length of a freeze
   double festination_s{};     ///< hastened small steps before a freeze
@@ -62,11 +63,14 @@ class ColouredNoise {
   SmoothValue smooth_;
 };
 
-/// Stride after stride, mean 0, variance 1. The lasting share is a sum over 4, 16 and 64 strides, whose spectrum falls as 1/f over two decades.
+/// Stride after stride, mean 0, variance 1, from the first one on. The lasting share is a sum over 4, 16 and 64 strides, whose spectrum falls as
+/// 1/f over two decades.
 class StrideSeries {
  public:
   double next(Random& random, double lasting_norm) {
     constexpr std::array kMemories{4.0, 16.0, 64.0};
+    if (!std::exchange(begun_, true))
+      for (double& part : parts_) part = random.normal();
     double lasting = 0.0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       const double keep = std::exp(-1.0 / kMemories[i]);
@@ -78,6 +82,7 @@ class StrideSeries {
 
  private:
   std::array<double, 3> parts_{};
+  bool begun_{false};
 };
 
 /// The unevenness of one patient, step by step. Without variation every factor is exactly 1 and every offset exactly 0.
@@ -159,9 +164,11 @@ class UnevenGait {
   static constexpr std::size_t kWays = 3;
   static constexpr double kThought_s = 0.010;
   static constexpr double kSettle_rad_s = 10.0;  // a step's size and time settle within 0.4 s (assumed)
+  // Settling takes a tenth of the variation, and a minute does not see all of the lasting share: over 60 s the row's value is left.
+  static constexpr double kMinute_norm = 1.3;
   static constexpr double kWithin_rad_s = 2.0 * kPi * 1.5;
   // Slow wandering of the point a standing body is held at, and its faster swing about it (Kiemel 2006); of equal variance (assumed).
-  static constexpr double kSlow_rad_s = 0.4, kFast_rad_s = 2.0 * kPi * 0.4, kStandAside_norm = 0.6;
+  static constexpr double kSlow_rad_s = 0.4, kFast_rad_s = 2.0 * kPi * 0.4, kStandAside_norm = 0.3;
   static constexpr double kHurried_norm = 1.8, kShortened_norm = 0.5;  // festination (assumed)
   // Trembling in place: 3 to 8 Hz (Moore 2008), size assumed.
   static constexpr double kTremble_hz = 5.0, kTremble_m = 0.003;
@@ -169,7 +176,7 @@ class UnevenGait {
 
   void begin_half_stride(bool stride) {
     if (stride) {
-      const double factor = 1.0 + variation_.stride_time_norm * times_.next(random_, variation_.lasting_norm);
+      const double factor = 1.0 + kMinute_norm * variation_.stride_time_norm * times_.next(random_, variation_.lasting_norm);
       tempo_goal_ = 1.0 / std::clamp(factor, 0.5, 2.0);
     }
     for (double& goal : size_goals_) goal = std::clamp(1.0 + variation_.step_size_norm * random_.normal(), 0.1, 2.5);

@@ -16,6 +16,7 @@ struct ImuParams {
   double gyro_wander_rad_s_sqrt_s{0.002 * kDegree_rad};  ///< random walk of the bias, per root second
   double acc_noise_m_s2{0.03};
   double acc_bias_m_s2{0.02};  ///< 0.12 deg of tilt
+  double gyro_late_s{0.0049};  ///< group delay of the chip's low-pass at 44 Hz (firmware/lib/imu)
 };
 
 class Imu {

@@ -58,7 +58,7 @@ Plant::Plant(const PlantParams& params, std::uint64_t seed)
   stop_m_ = params.strut_length_m * std::tan(params.stop_rad);
   const double r_m = params.wheel_radius_m;
   const double b_m = params.track_width_m;
-  rotor_inertia_kg_m2_ = params.wheel_inertia_kg_m2 + params.motor.inertia_kg_m2 * params.gear_ratio * params.gear_ratio;
+  rotor_inertia_kg_m2_ = params.wheel_inertia_kg_m2 + params.rotor_inertia_kg_m2 * params.gear_ratio * params.gear_ratio;
   // Kinetic energy in wheel speeds: v = r (wl + wr) / 2, omega = r (wr - wl) / b.
   const double own = rotor_inertia_kg_m2_ + r_m * r_m * (params.mass_kg / 4.0 + params.yaw_inertia_kg_m2 / (b_m * b_m));
   const double cross = r_m * r_m * (params.mass_kg / 4.0 - params.yaw_inertia_kg_m2 / (b_m * b_m));
@@ -168,12 +168,20 @@ HarnessForce Plant::harness_force(const HarnessMotion& harness) const {
 double Plant::friction_n_m(Side side) const {
   const double running_n_m = params_.gear_ratio * params_.motor.coulomb_n_m + params_.rolling_n * params_.wheel_radius_m +
                              (blocked_[index(side)] ? kBlocked_n_m : 0.0);
-  return bridge_enabled(side) ? running_n_m : running_n_m + params_.brake_n_m;
+  return bridge_enabled(side) || brake_open_s_[index(side)] > 0.0 ? running_n_m : running_n_m + params_.brake_n_m;
 }
 
+void Plant::close_brakes(double dt_s) {
+  for (std::size_t i = 0; i < 2; ++i)
+    brake_open_s_[i] = bridge_enabled(static_cast<Side>(i)) ? params_.brake_close_s : std::max(0.0, brake_open_s_[i] - dt_s);
+}
+
+// The casters are ahead of the axle and nothing is behind it: moments about the points where they stand.
 double Plant::grip_n(Side side) const {
-  return pressed_norm_[index(side)] * grip_norm_[index(side)] * 0.5 * params_.driven_load_norm *
-         (params_.mass_kg * kGravity_m_s2 + carried_n_);
+  const double weight_n = params_.mass_kg * kGravity_m_s2 + carried_n_;
+  const double tipping_n_m = pull_n_ * params_.pull_height_m - params_.mass_kg * platform_.acceleration_m_s2 * params_.cg_height_m;
+  const double axle_n = std::clamp(params_.driven_load_norm * weight_n - tipping_n_m / params_.caster_ahead_m, 0.0, weight_n);
+  return pressed_norm_[index(side)] * grip_norm_[index(side)] * 0.5 * axle_n;
 }
 
 void Plant::step_rolling(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s) {
@@ -254,14 +262,14 @@ void Plant::step_sliding(const std::array<double, 2>& drive_n_m, double forward_
   platform_.yaw_rate_rad_s = yaw_rate_rad_s;
 }
 
-void Plant::feel_obstacles(double& forward_n) {
+void Plant::feel_obstacles(double& forward_n, double& turn_n_m) {
   touched_ = 0;
   if (obstacle_count_ == 0) return;
   const double sine = std::sin(platform_.psi_rad);
   const double cosine = std::cos(platform_.psi_rad);
   for (std::size_t i = 0; i < obstacle_count_; ++i) {
     const Obstacle& post = obstacles_[i];
-    const double ahead_m = cosine * (post.x_m - platform_.x_m) + sine * (post.y_m - platform_.y_m);
+    const double ahead_m = cosine * (post.x_m - platform_.x_m) + sine * (post.y_m - platform_.y_m) - params_.bumper_middle_m;
     const double left_m = -sine * (post.x_m - platform_.x_m) + cosine * (post.y_m - platform_.y_m);
     const double gap_x_m = std::max(0.0, std::fabs(ahead_m) - params_.bumper_half_length_m);
     const double gap_y_m = std::max(0.0, std::fabs(left_m) - params_.bumper_half_width_m);
@@ -275,8 +283,11 @@ void Plant::feel_obstacles(double& forward_n) {
     }
     touched_ |= ahead_m > 0.0 ? 0x01 : 0x02;
     const double sense = ahead_m > 0.0 ? 1.0 : -1.0;
-    const double push_n = kObstacleSpring_n_m * press_m + kObstacleDamping_n_s_m * sense * platform_.speed_m_s;
-    forward_n -= sense * std::clamp(push_n, 0.0, kObstacleForceLimit_n);
+    const double touch_m = std::clamp(left_m, -params_.bumper_half_width_m, params_.bumper_half_width_m);
+    const double towards_m_s = sense * (platform_.speed_m_s - platform_.yaw_rate_rad_s * touch_m);
+    const double push_n = std::clamp(kObstacleSpring_n_m * press_m + kObstacleDamping_n_s_m * towards_m_s, 0.0, kObstacleForceLimit_n);
+    forward_n -= sense * push_n;
+    turn_n_m += sense * touch_m * push_n;
   }
 }
 
@@ -379,13 +390,15 @@ void Plant::step(const HarnessMotion& harness, double dt_s) {
       if (driven) supply_a += duty_norm * motors_[i].current_a();
     }
     battery_.step(supply_a, h_s);
+    close_brakes(h_s);
 
     for (const Side side : {Side::left, Side::right}) move_free_strut(side, h_s);
     HarnessForce push = harness_force(harness_);
+    pull_n_ = push.forward_n;
     push.forward_n += shove_n_;
     push.turn_n_m += shove_n_m_;
     double forward_n = push.forward_n + (params_.mass_kg * kGravity_m_s2 + carried_n_) * std::sin(floor_pitch_rad());
-    feel_obstacles(forward_n);
+    feel_obstacles(forward_n, push.turn_n_m);
     feel_edge(h_s);
     forward_n += edge_force_.forward_n;
     push.turn_n_m += edge_force_.turn_n_m;
@@ -440,7 +453,8 @@ ImuReading Plant::read_imu(Place sensor) {
     acceleration.y = (velocity.y - memory.velocity_m_s.y) / age_s + platform_.yaw_rate_rad_s * vx;
     acceleration.z = (velocity.z - memory.velocity_m_s.z) / age_s;
   }
-  memory = {velocity, time_s_};
+  memory.velocity_m_s = velocity;
+  memory.time_s = time_s_;
 
   // Direction of the sensor's z axis; x stays in the plane of the lean, y completes it.
   double lean = pitch_rad_;
@@ -472,6 +486,15 @@ ImuReading Plant::read_imu(Place sensor) {
   truth.alpha_rate_rad_s = along(y_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.beta_rate_rad_s = along(x_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
   truth.yaw_rate_rad_s = along(z_axis, beta_rate_rad_s, alpha_rate_rad_s, platform_.yaw_rate_rad_s);
+  // A chip's low-pass tells a rate some milliseconds late: between this sample and the one before.
+  const Vector rates{truth.alpha_rate_rad_s, truth.beta_rate_rad_s, truth.yaw_rate_rad_s};
+  if (params_.imu.gyro_late_s > 0.0 && age_s > 1e-6) {
+    const double late_norm = std::min(1.0, params_.imu.gyro_late_s / age_s);
+    truth.alpha_rate_rad_s += late_norm * (memory.rates_rad_s.x - rates.x);
+    truth.beta_rate_rad_s += late_norm * (memory.rates_rad_s.y - rates.y);
+    truth.yaw_rate_rad_s += late_norm * (memory.rates_rad_s.z - rates.z);
+  }
+  memory.rates_rad_s = rates;
   if (params_.sensor_reversed[index]) {
     for (double* value : {&truth.ax_m_s2, &truth.ay_m_s2, &truth.alpha_rate_rad_s, &truth.beta_rate_rad_s}) *value = -*value;
   }

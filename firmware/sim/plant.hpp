@@ -31,15 +31,21 @@ struct PlantParams {
   double wheel_radius_m{0.10};
   double gear_ratio{30.0};  ///< 2000 counts at the motor, 60000 at the wheel
   MotorConfig motor{};
+  /// As the bench's `motor`, whose shaft also carries half of 60 kg: too much (README, "Not modelled").
+  /// Each motor's own (assumed). `motor` is a bench's: its 4.3e-4 hold half of this machine, 30 kg on 0.1 m behind the gear, as well.
+  double rotor_inertia_kg_m2{1.0e-4};
   double mass_kg{60.0};           ///< chassis, batteries, struts; THERA-Trainer e-go class (assumed)
   double yaw_inertia_kg_m2{8.0};  ///< 60 kg spread over 0.9 x 0.8 m (assumed)
   double wheel_inertia_kg_m2{0.01};
-  double caster_ahead_m{0.5};           ///< of the driven axle, two of them, as far apart as the wheels (assumed)
+  double caster_ahead_m{0.8};           ///< of the driven axle, two of them, as far apart as the wheels; the frame is 0.9 m long (assumed)
   double caster_radius_m{0.05};         ///< assumed
   double rolling_n{3.0};                ///< rolling resistance, each side
   double grip_norm{0.7};                ///< rubber on linoleum
-  double driven_load_norm{0.7};         ///< share of the weight on the two driven wheels; the casters carry the rest
-  double brake_n_m{8.0};                ///< holding brake at the wheel, closed while the bridge is off: about 1.2 m/s2
+  double driven_load_norm{0.85};        ///< share of the weight on the two driven wheels: the batteries are above them (assumed)
+  double pull_height_m{0.8};            ///< at which the harness pulls: a pull forward takes load off the driven wheels
+  double cg_height_m{0.4};              ///< of the machine: so does braking (assumed)
+  double brake_n_m{8.0};                ///< holding brake at the wheel, closed while the bridge is off: about 2.2 m/s2
+  double brake_close_s{0.05};           ///< after its current went off; spring-applied brakes of this size take 20 to 60 ms (assumed)
   double spring_n_m{300.0};             ///< K, both struts together, at the harness
   double damping_n_s_m{60.0};           ///< both struts together
   double stop_rad{15.0 * kDegree_rad};  ///< M2: deflection mechanically limited
@@ -61,6 +67,7 @@ struct PlantParams {
   std::array<double, 2> wheel_norm{1.0, 1.0};            ///< true radius of each wheel / wheel_radius_m
   std::array<std::uint8_t, 4> bumper_wires{0, 1, 2, 3};  ///< which input bit each strip is wired to; 255: to none
   double electronics_a{1.5};                             ///< computer, router and nodes
+  double bumper_middle_m{0.40};                          ///< ahead of the axle: from behind the wheels to ahead of the casters
   double bumper_half_length_m{0.45};
   double bumper_half_width_m{0.40};
   ImuParams imu{};
@@ -169,6 +176,7 @@ class Plant {
   void jump_gyro_bias(Place place, double by_rad_s) { imus_[static_cast<std::size_t>(place)].jump_bias(by_rad_s); }
   /// False when the list is full.
   [[nodiscard]] bool add_obstacle(const Obstacle& obstacle);
+  void take_obstacles() { obstacle_count_ = 0; }
   /// Wires a strip (0 front, 1 rear, 2 left, 3 right) to another bit of the input node; 255 = to none.
   void wire_bumper(std::size_t strip, std::uint8_t bit) {
     if (strip < params_.bumper_wires.size()) params_.bumper_wires[strip] = bit;
@@ -205,6 +213,7 @@ class Plant {
   struct SensorMemory {
     Vector velocity_m_s;
     double time_s{};
+    Vector rates_rad_s;  // alpha, beta, yaw
   };
 
   static constexpr std::size_t index(Side side) { return static_cast<std::size_t>(side); }
@@ -224,7 +233,8 @@ class Plant {
   void step_sliding(const std::array<double, 2>& drive_n_m, double forward_n, double turn_n_m, double dt_s);
   [[nodiscard]] double friction_n_m(Side side) const;
   [[nodiscard]] double grip_n(Side side) const;
-  void feel_obstacles(double& forward_n);
+  void close_brakes(double dt_s);
+  void feel_obstacles(double& forward_n, double& turn_n_m);
   void feel_edge(double dt_s);
   void level_floor();
   void feel_wheel_on_edge(std::size_t i, double weight_n, std::array<double, 4>& height_m, double dt_s);
@@ -244,10 +254,11 @@ class Plant {
   std::array<double, 2> friction_impulse_{};  // of the step before, where the next solution starts
   std::array<double, 2> grip_norm_{};
   std::array<bool, 2> blocked_{};
-  double stop_m_;               // how far the harness may go before the stops
-  double rotor_inertia_kg_m2_;  // rotor and wheel, seen at the wheel
-  double inverse_own_;          // inverse of the two-wheel mass matrix: on the diagonal
-  double inverse_cross_;        // and beside it
+  std::array<double, 2> brake_open_s_{};  // until it closes
+  double stop_m_;                         // how far the harness may go before the stops
+  double rotor_inertia_kg_m2_;            // rotor and wheel, seen at the wheel
+  double inverse_own_;                    // inverse of the two-wheel mass matrix: on the diagonal
+  double inverse_cross_;                  // and beside it
   bool sliding_{false};
   bool power_cut_{false};
   bool relay_open_{false};
@@ -255,6 +266,7 @@ class Plant {
   bool configuration_switch_{false};
   bool sync_input_{false};
   double carried_n_{};
+  double pull_n_{};     // of the harness, forward
   double floor_rad_{};  // slope of the floor, ramping to floor_goal_rad_
   double floor_goal_rad_{};
   double downhill_rad_{};

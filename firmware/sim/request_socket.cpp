@@ -53,6 +53,7 @@ void RequestSocket::serve_client(Client& client, const std::function<std::string
   const ssize_t got = ::recv(client.fd, piece.data(), piece.size(), MSG_DONTWAIT);
   const bool ended = got == 0 || (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
   if (got > 0) client.in.append(piece.data(), static_cast<std::size_t>(got));
+  if (got == 0) client.in += '\n';  // who has said all need not end the last line
   for (std::size_t end = client.in.find('\n'); end != std::string::npos; end = client.in.find('\n')) {
     if (end > 0) client.out += answer(std::string_view(client.in).substr(0, end)) + "\n";
     client.in.erase(0, end + 1);

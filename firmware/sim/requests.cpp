@@ -69,6 +69,7 @@ std::optional<Sides> sides(const json& request) {
   const Sides found{which == "left" || which == "both", which == "right" || which == "both"};
   return found.left || found.right ? std::optional(found) : std::nullopt;
 }
+Refused patient_out() { return {"op: the patient is not in the hoist; {\"op\":\"strap\"}"}; }
 Refused bad_sides() { return {"which: left, right or both"}; }
 
 Answer op_state(World& world, const ProgramState& program, const json&) {
@@ -166,12 +167,14 @@ Answer op_fall(World& world, const json& request, void (Patient::*how)(double)) 
     if (side == kSides.end()) return Refused{"toward: forward, backward, left or right"};
     toward_rad = side->toward_rad;
   }
+  if (!world.patient_in()) return patient_out();
   (world.patient().*how)(toward_rad);
   return kDone;
 }
 Answer op_trip(World& world, const ProgramState&, const json& request) { return op_fall(world, request, &Patient::trip); }
 Answer op_collapse(World& world, const ProgramState&, const json& request) { return op_fall(world, request, &Patient::collapse); }
 Answer op_hang(World& world, const ProgramState&, const json&) {
+  if (!world.patient_in()) return patient_out();
   world.patient().hang();
   return kDone;
 }
@@ -179,6 +182,7 @@ Answer op_hang(World& world, const ProgramState&, const json&) {
 Answer op_freeze_feet(World& world, const ProgramState&, const json& request) {
   const auto seconds = number(request, "seconds", 0.5, 60.0);
   if (!seconds) return Refused{"seconds: 0.5 to 60"};
+  if (!world.patient_in()) return patient_out();
   world.patient().freeze_feet(*seconds);
   return kDone;
 }
@@ -404,6 +408,12 @@ Answer op_obstacle(World& world, const ProgramState&, const json& request) {
   return kDone;
 }
 
+Answer op_clear_floor(World& world, const ProgramState&, const json&) {
+  world.plant().take_obstacles();
+  world.plant().take_edge();
+  return kDone;
+}
+
 Answer restart(World& world, const Scenario& scenario) {
   if (!world.restart(scenario)) return Refused{"op: only while the drives are disabled and the hoist stands still"};
   return kDone;
@@ -462,6 +472,7 @@ constexpr std::array kOperations{
     Operation{"push", "way_m, turn_rad: the hoist is pushed by hand, with the drives off", op_push},
     Operation{"wire_bumper", "strip (0 front, 1 rear, 2 left, 3 right), bit: wires it to another input, 255 to none", op_wire_bumper},
     Operation{"obstacle", "x_m, y_m, radius_m: a post on the floor", op_obstacle},
+    Operation{"clear_floor", "posts, and the sill or step once no wheel is on it, are taken away", op_clear_floor},
     Operation{"scenario", "name: back at the start mark of that scenario", op_scenario},
     Operation{"reset", "machine and patient back at the start mark", op_reset},
     Operation{"help", "this list", op_help},

@@ -572,8 +572,10 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     done(outcome_of({.kind = CoreAnswer::Kind::refused, .code = static_cast<std::uint32_t>(std::countr_zero(bits)), .bits = bits}));
     return;
   }
-  if (*mode == contract::Mode::remote && wish.exercise.is_null()) {
-    // The hoist is only moved: the exercise stays where it lies on the floor.
+  const Walk& walk = services.state.walk();
+  const bool only_moved = *mode == contract::Mode::remote && wish.exercise.is_null();
+  if (only_moved && !walk.starts_anew()) {
+    // The exercise stays where it lies on the floor.
     begin_motion(services, request, {*exercise, exercise_json(*exercise)}, std::move(done));
     return;
   }
@@ -586,37 +588,36 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
   set_pose.v0 = pose.x_m;
   set_pose.v1 = pose.y_m;
   set_pose.v2 = pose.psi_rad;
-  set_pose.a = exercise_key(*mode, *exercise, laps);
-  const TaskRun& task_run = services.state.walk().task();
-  const bool again = wish.start_again == true || services.start_anew || (task_run.over() && task_run.next(*exercise, *mode));
+  // Where the hoist is only moved, no exercise has this mark: the next one begins at its own.
+  set_pose.a = only_moved ? 0 : exercise_key(*mode, *exercise, laps);
+  const bool again = wish.start_again == true || walk.starts_anew() || (walk.task().over() && walk.task().next(*exercise, *mode));
   set_pose.b = again ? contract::kStartAgain : 0;
-  services.core.ask(set_pose,
-                    [&services, request, again, mode = *mode, exercise = *exercise, told = guided ? wish.path : exercise_json(*exercise),
-                     ends_asked = services.ends_asked, done = std::move(done)](const CoreAnswer& answer) mutable {
-                      if (!answer.done()) {
-                        Outcome outcome = outcome_of(answer);
-                        // A refused start names every reason, not only the one that stopped its first step.
-                        if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
-                          outcome.kind = Outcome::Kind::refused;
-                          outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
-                        }
-                        done(outcome);
-                        return;
-                      }
-                      // A request to end that came after the start must not be overtaken by it while the pose was being set.
-                      if (services.ends_asked != ends_asked) {
-                        services.counters.add(Count::commands_refused);
-                        Outcome outcome;
-                        outcome.kind = Outcome::Kind::refused;
-                        outcome.detail = "It was ended before it began.";
-                        outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
-                        done(outcome);
-                        return;
-                      }
-                      services.start_anew = false;
-                      const auto task = services.state.walk().task().next(exercise, mode, again);
-                      begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
-                    });
+  services.core.ask(set_pose, [&services, request, again, only_moved, mode = *mode, exercise = *exercise,
+                               told = guided ? wish.path : exercise_json(*exercise), ends_asked = services.ends_asked,
+                               done = std::move(done)](const CoreAnswer& answer) mutable {
+    if (!answer.done()) {
+      Outcome outcome = outcome_of(answer);
+      // A refused start names every reason, not only the one that stopped its first step.
+      if (answer.kind == CoreAnswer::Kind::refused && services.core.newest()) {
+        outcome.kind = Outcome::Kind::refused;
+        outcome.refusals = refusal_names(answer.bits | blocked_bits(services));
+      }
+      done(outcome);
+      return;
+    }
+    // A request to end that came after the start must not be overtaken by it while the pose was being set.
+    if (services.ends_asked != ends_asked) {
+      services.counters.add(Count::commands_refused);
+      Outcome outcome;
+      outcome.kind = Outcome::Kind::refused;
+      outcome.detail = "It was ended before it began.";
+      outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::out_of_order));
+      done(outcome);
+      return;
+    }
+    const auto task = only_moved ? std::nullopt : services.state.walk().task().next(exercise, mode, again);
+    begin_motion(services, request, {exercise, std::move(told), task}, std::move(done));
+  });
 }
 
 namespace {
@@ -895,7 +896,7 @@ void act_record(Services& services, const Asker& asker, RecordWish wish, Outcome
     return wish.starts ? records.begin_manual(wish.subject, wish.note) : records.end_manual();
   };
   ask_store(services, work, [&services, starts, done = std::move(done)](const Outcome& outcome) {
-    if (outcome.done() && starts) services.start_anew = true;
+    if (outcome.done() && starts) services.state.start_anew();
     done(outcome);
   });
 }
@@ -923,10 +924,9 @@ void act_delete_session(Services& services, const Asker& asker, db::SessionId se
   if (!begin_action(services, asker, Action::delete_session, {"session " + std::to_string(session)}, done)) return;
   const auto work = [session, tag = std::move(tag)](Records&, db::Database& database) { return db::take_out(database, session, tag); };
   ask_store(services, work, [&services, held = services.jobs.hold(), done = std::move(done)](const Outcome& outcome) {
-    if (outcome.done())
-      erase_deleted(services, held, done);
-    else
-      done(outcome);
+    if (!outcome.done()) return done(outcome);
+    services.jobs.forget_recordings();
+    erase_deleted(services, held, done);
   });
 }
 

@@ -97,6 +97,7 @@ void delete_next(Services& services, const std::shared_ptr<Deletion>& deletion) 
     return outcome;
   };
   ask_store_for(services, work, [&services, deletion](const Outcome& outcome) {
+    if (outcome.done()) services.jobs.forget_recordings();
     if (outcome.done() && outcome.row == kGoesOn)
       delete_next(services, deletion);
     else

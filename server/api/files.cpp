@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "db/store/edit_tag.hpp"
+
 namespace hoist::server {
 
 namespace {
@@ -28,6 +30,12 @@ PieceSource pieces_of(RecorderDesk& records, std::shared_ptr<const db::SpoolFile
 
 void respond_file(const CallPtr& call, Download download) {
   const std::uint64_t size = download.file->size();
+  const std::string_view expected = call->request.header("if-match"), tag = download.etag;
+  if (!expected.empty() && !db::check_tag(strong_tags(expected), tag.substr(1, tag.size() - 2)))
+    return call->fail({.status = 412,
+                       .name = "changed-meanwhile",
+                       .title = "This was changed meanwhile",
+                       .detail = "The file has the ETag " + download.etag + " now: fetch it from its beginning."});
   Response response;
   response.set("ETag", download.etag);
   response.set("Accept-Ranges", "bytes");

@@ -1,4 +1,4 @@
-// A finished file as an answer, whole or in part (RFC 9110, 14: one range; If-Range; If-None-Match).
+// A finished file as an answer, whole or in part (RFC 9110, 13 and 14: If-Match, then If-None-Match; one range; If-Range).
 #pragma once
 #include <memory>
 #include <string>

@@ -13,6 +13,7 @@
 #include "server/api/answers.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
+#include "server/api/pieces.hpp"
 #include "server/api/trend_reading.hpp"
 
 namespace hoist::server::api {

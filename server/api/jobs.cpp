@@ -85,7 +85,8 @@ void get_job_file(const CallPtr& call) {
     return call->fail({.status = 404,
                        .name = "unknown",
                        .title = "This job has no file",
-                       .detail = "Only an export that is done has one, and only the newest " + std::to_string(kJobFiles) + " are kept."});
+                       .detail = "Only an export that is done has one, and only the newest " + std::to_string(kJobFiles) +
+                                 " are kept, until a session is deleted."});
   const std::string name = json::parse(*info->result)["file_name"];
   const auto layout = std::ranges::find(db::kBundleLayouts, name, &db::BundleLayoutInfo::file_name);
   respond_file(call, {.file = info->file,

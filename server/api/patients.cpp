@@ -14,11 +14,7 @@ using nlohmann::json;
 
 void list_visits(const CallPtr& call) {
   db::VisitQuery wanted;
-  if (!read_page(call, wanted)) return;
-  if (const auto patient = query(*call, "patient")) {
-    wanted.patient_id = number<std::int64_t>(*patient);
-    if (!wanted.patient_id) return call->fail(bad_query("patient", "must be the id of a patient", {}, {}));
-  }
+  if (!read_page(call, wanted) || !read_id(call, "patient", wanted.patient_id)) return;
   wanted.day = query(*call, "day");
   with_database(call, [wanted, path = call->request.path](db::Database& database) -> Response {
     const auto page = db::VisitReader(database).visits(wanted);

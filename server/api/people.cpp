@@ -74,8 +74,10 @@ void fail_too_soon(const CallPtr& call, std::uint64_t wait_s) {
   call->respond(std::move(response));
 }
 Problem wrong_secret() {
-  return {
-      .status = 401, .name = "wrong-secret", .title = "Name and password do not belong together", .detail = "Check both and try again."};
+  return {.status = 401,
+          .name = "wrong-secret",
+          .title = "The password or PIN does not belong to this name",
+          .detail = "Check it and try again."};
 }
 Problem no_account() {
   return {.status = 409,
@@ -104,7 +106,8 @@ json device_names(const Services& services) {
 json who_json(const Call& call, const Session* session, std::string_view device) {
   const Auth& auth = call.rest.auth;
   json here = json::array();
-  for (const auto& [user, display_name] : auth.users_of(device)) here.push_back({{"user", user}, {"display_name", display_name}});
+  for (const SessionPtr& one : auth.users_of(device))
+    if (one->has_pin) here.push_back({{"user", one->user}, {"display_name", one->display_name}});
   const SetUp& set_up = call.services.set_up;
   json who{{"signed_in", session != nullptr},
            {"user", nullptr},
@@ -185,7 +188,7 @@ void sign_in(const CallPtr& call) {
   Auth& auth = call->rest.auth;
   std::string device = auth.device_of(call->request);
   const auto here = auth.users_of(device);
-  const bool known = std::any_of(here.begin(), here.end(), [&](const auto& one) { return one.first == name; });
+  const bool known = std::any_of(here.begin(), here.end(), [&](const SessionPtr& one) { return one->user == name; });
   if (pin && !known) {
     call->fail({.status = 403,
                 .name = "pin-not-here",
@@ -313,7 +316,9 @@ void change_own(const CallPtr& call, std::function<db::Result<db::UserChange>(Pe
           return;
         }
         call->services.guard.succeeded(account, call->request.address);
-        if (const auto& body = *call->body; body.contains("pin")) session->has_pin = body.at("pin").is_string();
+        // A new password takes the PIN away.
+        const auto& body = *call->body;
+        call->rest.auth.set_pin(session->user, body.contains("pin") && body.at("pin").is_string());
         if (sign_others_out) {
           call->rest.auth.end_accounts(session->user, session.get());
           call->services.close_sockets([&](const Session& other) { return other.ended && other.user == session->user; }, "signed out");

@@ -7,6 +7,7 @@
 #include "db/store/visits.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
+#include "server/api/pieces.hpp"
 #include "server/api/trend_reading.hpp"
 
 namespace hoist::server::api {
@@ -36,22 +37,6 @@ Response page_response(std::string page, const std::string& name) {
   return response;
 }
 
-struct SessionWork {
-  db::ReportSession of;
-  std::vector<db::TrendSession> trend;
-};
-using SessionRead = db::Result<std::shared_ptr<SessionWork>>;
-
-SessionRead read_session(Records& records, db::SessionId id) {
-  const auto database = database_for_piece(records);
-  if (!database) return database.error();
-  auto of = db::read_report_session(**database, id);
-  if (!of) return of.error();
-  auto trend = db::report_trend(**database, of->session);
-  if (!trend) return trend.error();
-  return std::make_shared<SessionWork>(SessionWork{std::move(*of), std::move(*trend)});
-}
-
 // The sessions of a visit, read one after the other.
 struct VisitWork {
   std::int64_t visit = 0;
@@ -60,25 +45,37 @@ struct VisitWork {
   std::size_t next = 0;
   std::vector<db::ReportSession> read = {};
 };
-using VisitRead = db::Result<std::optional<db::ReportSession>>;
 
 void go_on(const CallPtr& call, const std::shared_ptr<VisitWork>& work) {
   if (work->next == work->sessions.size())
     return call->respond(page_response(db::group_report(work->read, work->options), "hoist_report_visit_" + std::to_string(work->visit)));
-  const auto read = [id = work->sessions[work->next++]](Records& records) -> VisitRead {
-    const auto database = database_for_piece(records);
-    if (!database) return database.error();
-    auto session = db::read_report_session(**database, id);
-    if (session) return std::optional(std::move(*session));
+  read_in_pieces<db::ReportReading>(call, work->sessions[work->next++], [call, work](const db::Result<db::ReportSession>& session) {
     // Deleted meanwhile, or still being recorded: not of this report.
     using enum db::ErrorKind;
-    if (session.error().kind == not_found || session.error().kind == wrong_state) return std::optional<db::ReportSession>{};
-    return session.error();
-  };
-  ask_recorder<VisitRead>(call, read, [call, work](VisitRead session) {
-    if (!session) return call->respond(store_error(session.error(), call->request.path));
-    if (*session) work->read.push_back(std::move(**session));
+    if (session) {
+      work->read.push_back(*session);
+    } else if (const db::Error& error = session.error(); error.kind != not_found && error.kind != wrong_state) {
+      return call->respond(store_error(error, call->request.path));
+    }
     go_on(call, work);
+  });
+}
+
+void respond_report(const CallPtr& call, db::ReportSession session, const db::ReportOptions& options) {
+  using Trend = db::Result<std::vector<db::TrendSession>>;
+  const auto of = std::make_shared<const db::ReportSession>(std::move(session));
+  const auto list = [of](Records& records) -> Trend {
+    const auto database = database_for_piece(records);
+    return database ? db::report_trend(**database, of->session) : Trend(database.error());
+  };
+  ask_recorder<Trend>(call, list, [call, options, of](Trend sessions) {
+    if (!sessions) return call->respond(store_error(sessions.error(), call->request.path));
+    read_trend(call, std::move(*sessions), [call, options, of](const std::vector<db::TrendEntry>& trend) {
+      with_database(call, [of, trend, options, path = call->request.path](db::Database& database) -> Response {
+        auto page = db::session_report(database, *of, trend, options);
+        return page ? page_response(std::move(*page), "hoist_report_" + std::to_string(of->session.id)) : store_error(page.error(), path);
+      });
+    });
   });
 }
 
@@ -88,16 +85,9 @@ void get_session_report(const CallPtr& call) {
   const auto id = path_id(call, "session");
   db::ReportOptions options;
   if (!id || !read_options(call, options)) return;
-  const auto read = [id = *id](Records& records) { return read_session(records, id); };
-  ask_recorder<SessionRead>(call, read, [call, options, id = *id](SessionRead work) {
-    if (!work) return call->respond(store_error(work.error(), call->request.path));
-    auto sessions = std::move((*work)->trend);
-    read_trend(call, std::move(sessions), [call, options, id, work = *work](const std::vector<db::TrendEntry>& trend) {
-      with_database(call, [work, trend, options, id, path = call->request.path](db::Database& database) -> Response {
-        auto page = db::session_report(database, work->of, trend, options);
-        return page ? page_response(std::move(*page), "hoist_report_" + std::to_string(id)) : store_error(page.error(), path);
-      });
-    });
+  read_in_pieces<db::ReportReading>(call, *id, [call, options](db::Result<db::ReportSession> session) {
+    if (!session) return call->respond(store_error(session.error(), call->request.path));
+    respond_report(call, std::move(*session), options);
   });
 }
 

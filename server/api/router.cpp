@@ -101,9 +101,7 @@ Response open_link(const RestContext& rest, const std::string& token) {
 }
 
 bool is_json_type(std::string_view type) {
-  type = type.substr(0, type.find(';'));
-  while (!type.empty() && type.back() == ' ') type.remove_suffix(1);
-  return type == "application/json" || type == "application/merge-patch+json";
+  return is_media_type(type, "application/json") || is_media_type(type, "application/merge-patch+json");
 }
 
 // Everything that can be refused before the handler. Nothing = go on.
@@ -177,7 +175,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
     return problem(415, "content-encoding", "The body is encoded", "Send it as it is, without Content-Encoding.");
   }
   if (route.request.find('/') != std::string_view::npos) {
-    if (request.header("content-type") == route.request) return std::nullopt;
+    if (is_media_type(request.header("content-type"), route.request)) return std::nullopt;
     counters.add(Count::http_refused_body);
     return problem(415, "media-type", "The body is of another kind", "Send Content-Type: " + std::string{route.request} + ".");
   }

@@ -17,6 +17,7 @@
 #include "server/api/files.hpp"
 #include "server/api/handlers.hpp"
 #include "server/api/lists.hpp"
+#include "server/api/pieces.hpp"
 #include "server/state/exercise.hpp"
 #include "server/state/views.hpp"
 #include "server/text/json_writer.hpp"
@@ -65,7 +66,7 @@ std::optional<db::SessionId> session_id(const CallPtr& call) {
 
 void list_sessions(const CallPtr& call) {
   db::SessionQuery wanted;
-  if (!read_page(call, wanted)) return;
+  if (!read_page(call, wanted) || !read_id(call, "patient", wanted.patient)) return;
   if (const auto subject = query(*call, "q"); subject && !subject->empty()) wanted.subject = *subject;
   if (const auto standby = query(*call, "standby")) {
     if (*standby != "0" && *standby != "1") return call->fail(bad_query("standby", "must be 0 or 1", 0, 1));
@@ -234,33 +235,38 @@ void list_gaps(const CallPtr& call) { respond_rows(call, &db::SessionReader::gap
 void get_metrics(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    const auto told = db::session_metrics_json(database, id);
-    return told ? json_response(*told) : store_error(told.error(), path);
+  read_in_pieces<db::FiguresReading>(call, *id, [call](const db::Result<json>& told) {
+    call->respond(told ? json_response(*told) : store_error(told.error(), call->request.path));
   });
 }
 
 void get_tuning_advice(const CallPtr& call) {
   const auto id = session_id(call);
   if (!id) return;
-  with_database(call, [id = *id, path = call->request.path](db::Database& database) -> Response {
-    const auto advice = db::tuning_advice(database, id);
-    return advice ? json_response(db::tuning_json(*advice)) : store_error(advice.error(), path);
+  read_in_pieces<db::TuningReading>(call, *id, [call](const db::Result<db::TuningAdvice>& advice) {
+    call->respond(advice ? json_response(db::tuning_json(*advice)) : store_error(advice.error(), call->request.path));
   });
 }
 
 namespace {
-// One piece per job, so that recording and other jobs go on between the pieces.
-PieceSource pieces_of(RecorderDesk& records, RecorderDesk::ExportHandle held) {
-  return [&records, held = std::move(held)](std::function<void(PieceState, std::string)> done) {
-    using Piece = std::pair<PieceState, std::string>;
-    const auto next = [id = *held](Records& on_thread) -> Piece {
-      std::string text;
-      const auto more = on_thread.export_piece(id, text);
-      return {!more ? PieceState::failed : *more ? PieceState::more : PieceState::last, std::move(text)};
-    };
-    if (!records.ask<Piece>(next, [done](Piece piece) { done(piece.first, std::move(piece.second)); })) done(PieceState::failed, "");
+using PieceDone = std::function<void(PieceState, std::string)>;
+
+// One piece per job, so that recording and other jobs go on between the pieces. A client would take an empty one for the end.
+void next_piece(RecorderDesk& records, const RecorderDesk::ExportHandle& held, PieceDone done) {
+  using Piece = std::pair<PieceState, std::string>;
+  const auto next = [id = *held](Records& on_thread) -> Piece {
+    std::string text;
+    const auto more = on_thread.export_piece(id, text);
+    return {!more ? PieceState::failed : *more ? PieceState::more : PieceState::last, std::move(text)};
   };
+  const auto given = [&records, held, done](Piece piece) {
+    if (piece.first == PieceState::more && piece.second.empty()) return next_piece(records, held, done);
+    done(piece.first, std::move(piece.second));
+  };
+  if (!records.ask<Piece>(next, given)) done(PieceState::failed, "");
+}
+PieceSource pieces_of(RecorderDesk& records, RecorderDesk::ExportHandle held) {
+  return [&records, held = std::move(held)](PieceDone done) { next_piece(records, held, std::move(done)); };
 }
 }  // namespace
 

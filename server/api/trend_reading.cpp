@@ -4,14 +4,9 @@
 #include <utility>
 
 #include "server/api/lists.hpp"
+#include "server/api/pieces.hpp"
 
 namespace hoist::server::api {
-
-db::Result<db::Database*> database_for_piece(Records& records) {
-  if (records.late()) return db::Error{db::ErrorKind::busy, "The recorder is busy. Try again in a moment.", {}};
-  if (db::Database* database = records.database()) return database;
-  return db::Error{db::ErrorKind::io, records.why(), {}};
-}
 
 namespace {
 struct Work {
@@ -20,15 +15,11 @@ struct Work {
   std::size_t next = 0;
   std::vector<db::TrendEntry> entries = {};
 };
-using Entry = db::Result<std::optional<db::TrendEntry>>;
-
 void go_on(const CallPtr& call, const std::shared_ptr<Work>& work) {
   if (work->next == work->sessions.size()) return work->done(std::move(work->entries));
-  const auto read = [session = work->sessions[work->next++]](Records& records) -> Entry {
-    const auto database = database_for_piece(records);
-    return database ? db::trend_entry(**database, session) : Entry(database.error());
-  };
-  ask_recorder<Entry>(call, read, [call, work](Entry entry) {
+  const db::TrendSession& session = work->sessions[work->next++];
+  read_in_pieces<db::MetricsReading>(call, session.session, [call, work, session](db::Result<db::SessionMetrics> metrics) {
+    auto entry = db::trend_entry(session, std::move(metrics));
     if (!entry) return call->respond(store_error(entry.error(), call->request.path));
     if (*entry) work->entries.push_back(std::move(**entry));
     go_on(call, work);

@@ -8,9 +8,6 @@
 
 namespace hoist::server::api {
 
-/// The database, for one piece of work on the recorder's thread. Errors: busy while the recorder is behind; io where it could not be opened.
-[[nodiscard]] db::Result<db::Database*> database_for_piece(Records& records);
-
 /// Gives the entries of these sessions in their order, without those that were deleted meanwhile; or answers the call with what went wrong.
 void read_trend(const CallPtr& call, std::vector<db::TrendSession> sessions, std::function<void(std::vector<db::TrendEntry>)> done);
 

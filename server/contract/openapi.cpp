@@ -86,7 +86,8 @@ json tag_header(const Route& route) {
   const bool edited = properties.contains("etag") || route.response == "Parameter" || route.response == "ParameterList" ||
                       route.response == "ParameterResult";
   if (!edited && route.errors.find("206") == route.errors.npos) return nullptr;
-  return {{"description", edited ? "Of the state that this answer shows, for If-Match" : "Of the file, for If-Range and If-None-Match"},
+  return {{"description",
+           edited ? "Of the state that this answer shows, for If-Match" : "Of the file, for If-Match, If-Range and If-None-Match"},
           {"required", edited},
           {"schema", {{"type", "string"}}}};
 }

@@ -263,9 +263,16 @@ void Auth::apply(std::string_view user, contract::Role role, std::string_view di
       if (!enabled) one->ended = true;
     }
 }
-void Auth::end_accounts(std::string_view user, const Session* but) {
+void Auth::set_pin(std::string_view user, bool has_pin) {
   for (const SessionPtr& one : accounts_)
-    if (one->user == user && one.get() != but) one->ended = true;
+    if (one->user == user) one->has_pin = has_pin;
+}
+void Auth::end_accounts(std::string_view user, const Session* but) {
+  for (const SessionPtr& one : accounts_) {
+    if (one->user != user || one.get() == but) continue;
+    one->ended = true;
+    one->device.clear();
+  }
   if (but != nullptr) return;
   for (const SessionPtr& one : tokens_)
     if (one->user == user) one->ended = true;
@@ -339,8 +346,8 @@ SessionPtr Auth::token_of(std::string_view secret, Clocks now) const {
 SessionPtr Auth::look_up(const Request& request, Clocks now) {
   const std::string_view authorization = request.header("authorization");
   if (!authorization.empty()) {
-    constexpr std::string_view kBearer = "Bearer ";
-    return authorization.starts_with(kBearer) ? token_of(authorization.substr(kBearer.size()), now) : nullptr;
+    const std::string_view token = server::bearer_token(authorization);
+    return token.empty() ? nullptr : token_of(token, now);
   }
   std::string_view rest = request.header("cookie");
   while (const auto secret = next_cookie(rest, cookie_name())) {
@@ -373,12 +380,12 @@ std::string Auth::device_of(const Request& request) const {
   return {};
 }
 
-std::vector<std::pair<std::string, std::string>> Auth::users_of(std::string_view device) const {
-  std::vector<std::pair<std::string, std::string>> out;
+std::vector<SessionPtr> Auth::users_of(std::string_view device) const {
+  std::vector<SessionPtr> out;
   if (device.empty()) return out;
   for (auto one = accounts_.rbegin(); one != accounts_.rend(); ++one) {
-    const auto known = [&](const auto& pair) { return pair.first == (*one)->user; };
-    if ((*one)->device == device && std::none_of(out.begin(), out.end(), known)) out.emplace_back((*one)->user, (*one)->display_name);
+    const auto known = [&](const SessionPtr& newer) { return newer->user == (*one)->user; };
+    if ((*one)->device == device && std::none_of(out.begin(), out.end(), known)) out.push_back(*one);
   }
   return out;
 }
@@ -403,15 +410,10 @@ bool Auth::use_ticket(std::string_view ticket, const Session& session, Clocks no
 }
 
 SessionPtr Auth::find_token(const Request& request, Clocks now) const {
-  constexpr std::string_view kBearer = "Bearer ";
-  std::string_view token = request.header("authorization");
-  if (token.starts_with(kBearer)) {
-    token.remove_prefix(kBearer.size());
-  } else if (const auto given = request.query.find("token"); token.empty() && given != request.query.end()) {
-    token = given->second;
-  } else {
-    return nullptr;
-  }
+  const std::string_view authorization = request.header("authorization");
+  std::string_view token = server::bearer_token(authorization);
+  if (const auto given = request.query.find("token"); authorization.empty() && given != request.query.end()) token = given->second;
+  if (token.empty()) return nullptr;
   return only_from_here(token_of(token, now), request);
 }
 

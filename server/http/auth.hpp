@@ -118,13 +118,14 @@ class Auth {
   bool remove_token(std::int64_t id);
   // What was changed of an account holds for its sign-ins and tokens at once. Disabled: they end.
   void apply(std::string_view user, contract::Role role, std::string_view display_name, bool enabled);
-  // Ends the sign-ins of a user, but for this one; with null the tokens, too.
+  void set_pin(std::string_view user, bool has_pin);
+  // Ends the sign-ins of a user, but for this one, and forgets that the user was on their devices; with null the tokens, too.
   void end_accounts(std::string_view user, const Session* but);
   void end_account(Session& session) { session.ended = true; }
   // The device whose cookie this request has, also after its sign-in has ended; empty = unknown.
   [[nodiscard]] std::string device_of(const Request& request) const;
-  // Who has signed in on it, with the names that screens show.
-  [[nodiscard]] std::vector<std::pair<std::string, std::string>> users_of(std::string_view device) const;
+  // The latest sign-in on it of each person, latest first.
+  [[nodiscard]] std::vector<SessionPtr> users_of(std::string_view device) const;
 
   // A ticket for one WebSocket of this session.
   [[nodiscard]] std::string issue_ticket(const SessionPtr& session, Clocks now);

@@ -45,6 +45,18 @@ std::optional<std::string> percent_decode(std::string_view text, bool plus_is_sp
   return out;
 }
 
+std::optional<std::string> take_authority(std::string& target) {
+  for (const std::string_view scheme : {std::string_view("http://"), std::string_view("https://")}) {
+    if (!equal_ignoring_case(std::string_view(target).substr(0, scheme.size()), scheme)) continue;
+    const std::size_t end = std::min(target.find_first_of("/?#", scheme.size()), target.size());
+    std::string authority = target.substr(scheme.size(), end - scheme.size());
+    target.erase(0, end);
+    if (!target.starts_with('/')) target.insert(target.begin(), '/');
+    return authority;
+  }
+  return std::nullopt;
+}
+
 bool parse_target(std::string_view target, Request& request) {
   if (target.empty() || target.front() != '/') return false;
   target = target.substr(0, target.find('#'));
@@ -159,6 +171,14 @@ RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& par
   if (*first >= size) return RangeWish::outside;
   part = {*first, std::min(last.value_or(UINT64_MAX), size - 1) - *first + 1};
   return RangeWish::part;
+}
+
+bool is_media_type(std::string_view header, std::string_view lower_case) { return equal_ignoring_case(next_part(header, ';'), lower_case); }
+
+std::string_view bearer_token(std::string_view authorization) {
+  constexpr std::string_view kScheme = "bearer ";
+  if (!equal_ignoring_case(authorization.substr(0, kScheme.size()), kScheme)) return {};
+  return trimmed(authorization.substr(kScheme.size()));
 }
 
 bool accepts_gzip(std::string_view header) {

@@ -35,6 +35,8 @@ struct Request {
 using HeaderFields = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] std::string_view header_fault(const HeaderFields& fields, bool version_10);
 
+// Takes scheme and authority off a target in absolute form, as clients of a proxy send it (RFC 9112, 3.2.2). The authority; nothing for another form.
+[[nodiscard]] std::optional<std::string> take_authority(std::string& target);
 // Splits a request target into path and query and decodes both. False: not an absolute path, a broken %-escape, a NUL, a query field that is
 // named twice, or more than kQueryFieldLimit of them.
 inline constexpr std::size_t kQueryFieldLimit = 32;
@@ -72,6 +74,10 @@ struct ByteRange {
 };
 enum class RangeWish : std::uint8_t { none, part, outside };
 [[nodiscard]] RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& part);
+// Whether a Content-Type header, whatever its parameters, names this type (RFC 9110, 8.3.1).
+[[nodiscard]] bool is_media_type(std::string_view header, std::string_view lower_case);
+// The token of an Authorization header of the scheme Bearer; empty for another scheme.
+[[nodiscard]] std::string_view bearer_token(std::string_view authorization);
 // Whether an Accept-Encoding header lets the answer be gzip.
 [[nodiscard]] bool accepts_gzip(std::string_view header);
 

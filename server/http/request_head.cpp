@@ -1,6 +1,7 @@
 #include "server/http/request_head.hpp"
 
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
 #include <utility>
 
 namespace hoist::server {
@@ -22,12 +23,18 @@ RequestHead take_head(const boost::beast::http::request_header<>& message, bool 
   head.version_10 = message.version() < 11;
   head.request.method = parse_method(text_of(message.method_string()));
   head.request.wants_upgrade = boost::beast::websocket::is_upgrade(message) && complete;
-  head.readable = parse_target(text_of(message.target()), head.request);
+  std::string target = text_of(message.target());
+  const std::optional<std::string> authority = take_authority(target);
+  head.readable = parse_target(target, head.request);
   head.fault = header_fault(fields, head.version_10);
   for (auto& [name, value] : fields) {
     auto [at, fresh] = head.request.headers.try_emplace(std::move(name), value);
     if (!fresh) at->second.append(", ").append(value);
   }
+  if (head.fault.empty() && !head.version_10 && !head.request.headers.contains("host"))
+    head.fault = "HTTP/1.1 needs the header field Host.";
+  // It counts instead of the field (RFC 9112, 3.2.2).
+  if (authority) head.request.headers["host"] = *authority;
   return head;
 }
 

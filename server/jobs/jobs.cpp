@@ -45,7 +45,9 @@ Reason job_reason(const db::Error& error) {
 }
 }  // namespace
 
-Jobs::Jobs(Options options) : options_(std::move(options)) {}
+Jobs::Jobs(Options options) : options_(std::move(options)) {
+  options_.tools.on_deletion = [this] { forget_recordings(); };
+}
 Jobs::~Jobs() { stop(); }
 
 void Jobs::start() {
@@ -115,6 +117,7 @@ void Jobs::run(JobId id) {
     // Cancelled meanwhile.
     if (entry == nullptr || entry->info.state != JobState::waiting) return;
     entry->info.state = JobState::running;
+    entry->deletions = deletions_;
     changed(*entry);
     kind = entry->info.kind;
     arguments = entry->arguments;
@@ -137,7 +140,19 @@ bool Jobs::step(JobId id, double share) {
   if (told) options_.on_step(*told);
   const std::lock_guard lock(mutex_);
   const Entry& running = *entry(id);
-  return !ending_ && (holds_ == 0 || !gives_way_to_deletion(running.info.kind)) && !running.cancelled;
+  return !ending_ && (holds_ == 0 || !gives_way_to_deletion(running.info.kind)) && !overtaken(running) && !running.cancelled;
+}
+
+// Under the lock. A session was deleted since the job began: what it has read may hold it.
+bool Jobs::overtaken(const Entry& running) const { return running.deletions != deletions_ && keeps_recordings(running.info.kind); }
+
+void Jobs::forget_recordings() {
+  const std::lock_guard lock(mutex_);
+  ++deletions_;
+  for (Entry& e : entries_) {
+    e.info.file.reset();
+    if (e.info.kind == JobKind::recompute_metrics) e.info.result.reset();
+  }
 }
 
 void Jobs::end(JobId id, JobResult result) {
@@ -147,9 +162,9 @@ void Jobs::end(JobId id, JobResult result) {
     Entry& ended = *entry(id);
     JobInfo& info = ended.info;
     const bool check = info.kind == JobKind::integrity_check;
-    const bool stopped = result && !*result;
+    const bool stopped = (result && !*result) || overtaken(ended);
     if (stopped && !ended.cancelled && !ending_) {
-      // A hold is in force: it starts again.
+      // A hold is in force, or a session was deleted: it starts again.
       info.state = JobState::waiting;
       info.progress = 0;
       changed(ended);

@@ -23,7 +23,7 @@ namespace hoist::server {
 inline constexpr std::size_t kJobsWaiting = 8;
 // Ended jobs that can still be asked for; the oldest go first.
 inline constexpr std::size_t kJobsKept = 16;
-// Files of ended exports that can still be fetched: the newest ones.
+// Files of ended exports that can still be fetched, until a session is deleted: the newest ones.
 inline constexpr std::size_t kJobFiles = 2;
 
 using JobId = std::uint64_t;
@@ -42,7 +42,7 @@ struct JobInfo {
   std::optional<db::Actor> actor;  // nothing: the server itself
   std::int64_t asked_utc_ms = 0;
   std::optional<std::int64_t> ended_utc_ms;
-  std::shared_ptr<const std::string> result;  // JSON, when done
+  std::shared_ptr<const std::string> result;  // JSON, when done; figures of sessions only until one is deleted
   std::shared_ptr<const db::SpoolFile> file;  // of export_sessions, as long as it is kept
   std::optional<Reason> reason;               // why it failed
   std::string detail;
@@ -97,18 +97,23 @@ class Jobs {
   // needs that, because the log with the deleted data cannot be truncated while a reader still sees them. The handle must not
   // outlive this object.
   [[nodiscard]] std::shared_ptr<void> hold();
+  // From any thread, after each deletion: no file and no figures that an ended job has made of recordings can be fetched any more, and a job
+  // that has read the deleted session starts again.
+  void forget_recordings();
 
  private:
   struct Entry {
     JobInfo info;
     JobArguments arguments;
     bool cancelled = false;
+    std::uint64_t deletions = 0;  // deletions_ when it began
   };
   // The oldest that waits, unless something holds; under the lock.
   Entry* next();
   Entry* entry(JobId id);
   void run(JobId id);
   bool step(JobId id, double share);
+  [[nodiscard]] bool overtaken(const Entry& running) const;
   void end(JobId id, JobResult result);
   void changed(Entry& entry);
   void forget_oldest();
@@ -121,6 +126,7 @@ class Jobs {
   FileHealth health_;
   JobId last_id_ = 0;
   int holds_ = 0;
+  std::uint64_t deletions_ = 0;
   bool ending_ = false;
   std::atomic<std::uint64_t> changes_ = 0;
   std::thread thread_;

@@ -99,18 +99,18 @@ std::vector<std::string> walking(const JobTools& tools, const JobArguments& argu
 }
 
 // What ended early, or was left by a killed server, goes again.
-db::Status take_back(db::Database& database, db::StudyId study) {
+db::Status take_back(const JobTools& tools, db::Database& database, db::StudyId study) {
   const auto sessions = db::study_sessions(database, study);
   if (!sessions) return sessions.error();
   for (const db::SessionId session : *sessions)
-    if (db::Status deleted = delete_session(database, session); !deleted) return deleted;
+    if (db::Status deleted = delete_session(tools, database, session); !deleted) return deleted;
   return db::remove_study(database, study);
 }
-db::Status take_back_unfinished(db::Database& database) {
+db::Status take_back_unfinished(const JobTools& tools, db::Database& database) {
   const auto unfinished = db::unfinished_studies(database);
   if (!unfinished) return unfinished.error();
   for (const db::StudyId study : *unfinished)
-    if (db::Status gone = take_back(database, study); !gone) return gone;
+    if (db::Status gone = take_back(tools, database, study); !gone) return gone;
   return {};
 }
 
@@ -155,7 +155,7 @@ JobResult study(const JobTools& tools, const JobArguments& arguments, const JobS
   auto result = put_in(tools, file, step);
   auto database = tools.open();
   if (!database) return database.error();
-  if (db::Status tidied = take_back_unfinished(*database); !tidied && result) return tidied.error();
+  if (db::Status tidied = take_back_unfinished(tools, *database); !tidied && result) return tidied.error();
   if (!result) return result.error();
   if (!*result) return std::optional<JobYield>{};
   const json told{{"kind", "study"}, {"study", **result}};
@@ -213,7 +213,7 @@ JobResult delete_study(const JobTools& tools, const JobArguments& arguments, con
   if (!sessions) return sessions.error();
   for (std::size_t i = 0; i < sessions->size(); ++i) {
     if (!step(static_cast<double>(i) / static_cast<double>(sessions->size()))) return std::optional<JobYield>{};
-    if (db::Status deleted = delete_session(*database, (*sessions)[i]); !deleted) return deleted.error();
+    if (db::Status deleted = delete_session(tools, *database, (*sessions)[i]); !deleted) return deleted.error();
   }
   if (db::Status removed = db::remove_study(*database, arguments.study); !removed) return removed.error();
   const json told{{"kind", "delete_study"}, {"study", arguments.study}, {"sessions", sessions->size()}};

@@ -218,10 +218,11 @@ json plan_json(const char* kind, const db::RetentionRule& rule, const db::Retent
 
 }  // namespace
 
-db::Status delete_session(db::Database& database, db::SessionId session) {
+db::Status delete_session(const JobTools& tools, db::Database& database, db::SessionId session) {
   using Clock = std::chrono::steady_clock;
   // It may have been deleted since the plan was made.
   if (db::Status taken = db::take_out(database, session); !taken && taken.error().kind != db::ErrorKind::not_found) return taken;
+  if (tools.on_deletion) tools.on_deletion();
   for (;;) {
     const auto begin = Clock::now();
     const auto more = db::erase_piece(database);
@@ -261,7 +262,7 @@ JobResult retention(const JobTools& tools, const JobArguments&, const JobStep& s
     // Another rule in the meantime ends this one.
     const auto now = db::retention_rule(*database);
     if (ended || !now || *now != *rule) break;
-    status = delete_session(*database, plan.sessions[deleted]);
+    status = delete_session(tools, *database, plan.sessions[deleted]);
     if (status) ++deleted;
   }
   if (deleted > 0 && tools.log_deletion)

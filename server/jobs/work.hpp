@@ -48,6 +48,8 @@ struct JobTools {
   std::function<db::Result<std::filesystem::path>(const std::filesystem::path& prepared)> replace_file = {};
   // What retention has deleted, in a sentence for the audit log.
   std::function<void(const std::string& what)> log_deletion = {};
+  // A session was deleted: what was made of it goes. Set by Jobs.
+  std::function<void()> on_deletion = {};
 
   // The engineer's tool, which walks the virtual subjects of a study.
   std::filesystem::path study_program = {};

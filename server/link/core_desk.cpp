@@ -12,8 +12,8 @@ using contract::Event;
 using contract::EventKind;
 
 namespace {
-// One poll copies at most this many ticks; what is left comes with the next one.
-constexpr std::size_t kTicksPerPoll = 128;
+// Ticks in one copy.
+constexpr std::size_t kTicksPerCopy = 128;
 constexpr std::size_t kEventsPerPoll = 128;
 
 // What the next start is to begin with.
@@ -28,7 +28,7 @@ CoreDesk::CoreDesk(std::string socket_path, Counters& counters)
       counters_(counters),
       ticks_(link_),
       events_(link_),
-      tick_buffer_(kTicksPerPoll),
+      tick_buffer_(kTicksPerCopy),
       event_buffer_(kEventsPerPoll) {}
 
 std::uint32_t CoreDesk::next_request() {
@@ -252,21 +252,27 @@ void CoreDesk::look_at_clock() {
     speed_.forget();
 }
 
+// All that there are, also after a stall: who is answered in this poll finds the answer's step in `newest()`. At most a ring of them, because a core
+// that steps faster than this thread copies would hold it.
 void CoreDesk::read_ticks(std::uint64_t now_ns) {
-  const auto got = ticks_.read(tick_buffer_);
-  if (got.lost != 0) counters_.add(Count::telemetry_ticks_lost, got.lost);
-  if (got.count == 0) return;
-  heard_ns_ = now_ns;
-  const std::span<const contract::TickRecord> records(tick_buffer_.data(), got.count);
-  newest_ = records.back();
-  for (CoreListener* listener : listeners_) listener->on_ticks(records, got.lost);
-  set_lease(newest_->lease_epoch, newest_->lease_holder);
+  for (std::size_t copied = 0; copied < contract::kTickSlots;) {
+    const auto got = ticks_.read(tick_buffer_);
+    if (got.lost != 0) counters_.add(Count::telemetry_ticks_lost, got.lost);
+    if (got.count == 0) return;
+    heard_ns_ = now_ns;
+    const std::span<const contract::TickRecord> records(tick_buffer_.data(), got.count);
+    newest_ = records.back();
+    for (CoreListener* listener : listeners_) listener->on_ticks(records, got.lost);
+    set_lease(newest_->lease_epoch, newest_->lease_holder);
+    copied += got.count;
+    if (got.count < tick_buffer_.size()) return;
+  }
 }
 
 void CoreDesk::past(std::uint64_t from_tick, const std::function<void(const contract::TickRecord&)>& each) const {
   if (!newest_) return;
   publish::TickReader ring(link_, publish::ReadFrom::oldest);
-  std::vector<contract::TickRecord> some(kTicksPerPoll);
+  std::vector<contract::TickRecord> some(kTicksPerCopy);
   while (ring.life() == run()) {
     const auto got = ring.read(some);
     if (got.count == 0 || ring.life() != run()) return;
@@ -332,7 +338,6 @@ void CoreDesk::read_events(std::vector<Event>& events, std::vector<Answered>& an
   for (std::size_t i = 0; i < got.count; ++i) {
     const Event& event = event_buffer_[i];
     events.push_back(event);
-    if (event.kind == EventKind::lease_changed) set_lease(event.code, event.client);
     if (event.kind != EventKind::command_done && event.kind != EventKind::command_refused) continue;
     const bool refused = event.kind == EventKind::command_refused;
     if (refused) counters_.add(Count::commands_refused);

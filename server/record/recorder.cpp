@@ -28,7 +28,7 @@ namespace {
 constexpr auto kPass = std::chrono::milliseconds(50);
 // While the disk refuses, asked again this often.
 constexpr std::uint64_t kRetry_ns = 1'000'000'000;
-// Whole exports that are kept for further parts: the least used goes first, and each some time after its last use.
+// Whole exports that are kept for further parts: the least used goes first, and each some time after its last use, or with its session.
 constexpr std::size_t kSpooledKept = 4;
 constexpr std::uint64_t kSpoolKept_ns = 600'000'000'000;
 constexpr std::uint64_t kCommit_ns = 400'000'000;
@@ -48,6 +48,9 @@ constexpr int kReadsPerPass = 16;
 
 bool moving_mode(std::uint32_t mode) { return mode < contract::kModes.size() && contract::kModes[mode].moving; }
 bool moving(const TickRecord& record) { return moving_mode(record.mode); }
+bool begins_motion(const Event& event) {
+  return event.kind == contract::EventKind::mode_changed && moving_mode(event.code) && !moving_mode(event.item);
+}
 // Neither at the start nor in a calibration the harness holds the patient who is chosen.
 bool may_hold_patient(const TickRecord& record) {
   const auto mode = static_cast<contract::Mode>(record.mode);
@@ -189,17 +192,30 @@ class Recorder::Work final : public Records {
     }
     leave_damaged_file();
     follow_chosen();
-    for (int i = 0; i < kReadsPerPass && join(); ++i) {
-      const std::size_t ticks = read_ticks();
+    for (int i = 0; i < kReadsPerPass && !end_again_ && join(); ++i) {
+      const bool more = read_ticks();
+      if (end_again_) break;
+      // Which session an event or a frame is part of shows only once its step has been read.
+      if (more) continue;
       const std::size_t events = read_events();
       const std::size_t frames = read_bus();
       read_journal();
-      if (ticks < kReadTicks && events < kReadEvents && frames < kReadFrames) break;
+      if (events < kReadEvents && frames < kReadFrames) break;
     }
     end_with_core();
     if (session_open() && now_ns_ - committed_ns_ >= kCommit_ns) commit();
     fold();
+    drop_spooled();
     tell();
+  }
+
+  // Also those of a session that another connection has deleted.
+  void drop_spooled() {
+    std::erase_if(spooled_, [&](const Spooled& s) {
+      if (now_ns_ - s.used_ns > kSpoolKept_ns) return true;
+      const auto there = reading_ ? db::SessionReader(*reading_).has(s.session) : db::Result<bool>(true);
+      return there && !*there;
+    });
   }
 
   // One piece, however long the sessions are that have ended: what the core publishes meanwhile must not be overwritten unread.
@@ -213,7 +229,7 @@ class Recorder::Work final : public Records {
   void end_with_core() {
     if (owner_.attached_.load(std::memory_order_relaxed) || !last_) return;
     if (static_cast<double>(now_ns_ - heard_ns_) * 1e-9 < kAfterStop_s) return;
-    if (session_open()) end(db::CloseReason::core_restarted);
+    if (session_open() && !end_again_) end(db::CloseReason::core_restarted);
     last_.reset();
   }
 
@@ -223,12 +239,13 @@ class Recorder::Work final : public Records {
       const std::lock_guard lock(owner_.mutex_);
       chosen_ = owner_.subject_;
     }
+    if (waits_ && chosen_ != waits_for_) drop_waiting();
     if (session_open() && kind_ == Kind::standby && chosen_ != standby_for_ && !end_again_) end(db::CloseReason::finished);
   }
 
   void finish() {
     pass();
-    if (session_open()) end(db::CloseReason::server_stopped);
+    if (session_open()) end(end_again_.value_or(db::CloseReason::server_stopped));
     tell();
     // Here and not in the destructor, which runs on another thread.
     close_file();
@@ -318,7 +335,6 @@ class Recorder::Work final : public Records {
     const auto at = exports_.find(id);
     if (at == exports_.end()) return db::Error{db::ErrorKind::wrong_state, "This export is closed.", ""};
     const std::string etag = at->second.etag();
-    std::erase_if(spooled_, [&](const Spooled& s) { return now_ns_ - s.used_ns > kSpoolKept_ns; });
     const auto known = std::ranges::find(spooled_, etag, &Spooled::etag);
     if (known != spooled_.end()) {
       known->used_ns = now_ns_;
@@ -335,14 +351,15 @@ class Recorder::Work final : public Records {
     if (!more) return more.error();
     if (db::Status written = file->append(piece); !written) return written.error();
     if (*more) return File{};
+    const File whole = std::move(file);
+    spooling_.erase(id);
     if (spooled_.size() >= kSpooledKept) spooled_.erase(std::ranges::min_element(spooled_, {}, &Spooled::used_ns));
-    spooled_.push_back({etag, now_ns_, file});
-    return File{file};
+    spooled_.push_back({at->second.session(), etag, now_ns_, whole});
+    return whole;
   }
 
  private:
   [[nodiscard]] bool session_open() const { return writer_ && writer_->recording(); }
-  // While the disk refuses its end, a session outlives its core; what the next core says is no part of it.
   [[nodiscard]] bool takes_ticks() const { return session_open() && ticks_.life() == life_; }
 
   void log(const std::string& line) {
@@ -466,8 +483,16 @@ class Recorder::Work final : public Records {
     publish::EventReader events = old_->events;
     for (auto got = events.read(event_buffer_); got.count > 0; got = events.read(event_buffer_))
       for (const Event& event : std::span(event_buffer_).first(got.count))
-        if (event.kind == contract::EventKind::mode_changed && event.tick <= tick && moving_mode(event.code) && !moving_mode(event.item))
-          began = event.tick;
+        if (begins_motion(event) && event.tick <= tick) began = event.tick;
+    return began;
+  }
+  // The same of a step before which others were overwritten unread; without its event the motion may have begun with any of them.
+  std::uint64_t began_unread(std::uint64_t tick) {
+    while (read_events() == kReadEvents) {
+    }
+    std::uint64_t began = last_ && last_life_ == ticks_.life() ? last_->tick + 1 : tick;
+    for (const Event& event : kept_events_.of(ticks_.life()))
+      if (begins_motion(event) && event.tick <= tick) began = event.tick;
     return began;
   }
   void adopt_old() {
@@ -481,6 +506,17 @@ class Recorder::Work final : public Records {
     return owner_.options_.utc_ns() - static_cast<std::int64_t>(ticks_.simulated_clock() ? newest_ns : owner_.options_.steady_ns());
   }
 
+  // Time of the newest step that is published: a session may begin with one of the past, and in lock-step that is not now.
+  [[nodiscard]] std::uint64_t newest_step_ns(const TickRecord& first) const {
+    std::uint64_t newest_ns = std::max(first.time_ns, read_time_ns_);
+    if (!ticks_.simulated_clock()) return newest_ns;
+    publish::TickReader ahead = ticks_;
+    std::vector<TickRecord> records(kReadTicks);
+    for (auto got = ahead.read(records); got.count > 0 && ahead.life() == ticks_.life(); got = ahead.read(records))
+      newest_ns = records[got.count - 1].time_ns;
+    return newest_ns;
+  }
+
   // What is known when a session begins with this step. It refers to `parameters`.
   db::SessionStart start_at(const TickRecord& first, std::optional<std::string> subject, Kind kind, contract::ParamsInForce& parameters) {
     const bool walk = kind == Kind::walk;
@@ -488,7 +524,7 @@ class Recorder::Work final : public Records {
     start.subject = std::move(subject);
     start.start_time_ns = first.time_ns;
     start.core_start_time_ns = ticks_.life();
-    offset_ns_ = offset_ns(first.time_ns);
+    offset_ns_ = offset_ns(newest_step_ns(first));
     anchored_ns_ = now_ns_;
     start.started_utc_ns = static_cast<std::int64_t>(first.time_ns) + offset_ns_;
     start.simulated = first.simulated != 0;
@@ -537,15 +573,15 @@ class Recorder::Work final : public Records {
     for (const Event& event : kept_events_.of(life_))
       if (event.tick >= first_tick_) events.push_back(event);
     std::vector<BusRecord> frames;
-    std::uint64_t frames_from_ns = first.time_ns > kTick_ns ? first.time_ns - kTick_ns : 0;
+    frames_from_ns_ = !going_on_ && first.time_ns > kTick_ns ? first.time_ns - kTick_ns : 0;
     // What is no walk begins at any step. Its journal begins with the newest image, so that all of it can be run again.
     if (const auto image = walk ? std::nullopt : journal_.image_before(life_, first.tick);
         image && !kept_frames_.of(life_).empty() && kept_frames_.of(life_).front().time_ns < image->time_ns) {
       journal_from_ = image->tick;
-      frames_from_ns = std::min(frames_from_ns, image->time_ns);
+      frames_from_ns_ = std::min(frames_from_ns_, image->time_ns);
     }
     for (const BusRecord& frame : kept_frames_.of(life_))
-      if (frame.time_ns >= frames_from_ns) frames.push_back(frame);
+      if (frame.time_ns >= frames_from_ns_) frames.push_back(frame);
     const auto& all = kept_events_.of(life_);
     const bool events_dropped = all.size() == kKeptEvents && all.front().tick > walk_from_;
     kept_events_.clear();
@@ -559,17 +595,38 @@ class Recorder::Work final : public Records {
     return {};
   }
 
-  // What goes wrong is told and tried again with the next commit.
+  // What goes wrong is told and tried again with the next commit. Until then nothing more is read, because all that comes is a later session's: the
+  // core holds 20 s of it.
   void end(db::CloseReason reason) {
-    if (!try_end(reason)) end_again_ = reason;
+    if (try_end(reason)) return;
+    end_again_ = reason;
+    if (!std::exchange(waits_, true)) waits_for_ = chosen_;
   }
-
-  db::Status try_end(db::CloseReason reason) {
-    // Events, frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
+  // What waits was said while another patient was chosen. It is in no session: a gap, if motion has begun in it.
+  void drop_waiting() {
+    waits_ = false;
+    rest_ = {};
+    for (auto got = ticks_.read(tick_buffer_); got.count > 0; got = ticks_.read(tick_buffer_))
+      for (const TickRecord& record : std::span(tick_buffer_).first(got.count))
+        if (!moving(record)) {
+          last_ = record;
+          last_life_ = ticks_.life();
+        }
+    unread_ = true;
+    begin_lost_ = "storage";
+    read_to_the_end();
+  }
+  // Events and frames as far as the open session's last step.
+  void read_to_the_end() {
     while (read_events(last_tick_) == kReadEvents) {
     }
     while (read_bus(last_time_ns_) == kReadFrames) {
     }
+  }
+
+  db::Status try_end(db::CloseReason reason) {
+    // Events, frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
+    if (!end_again_) read_to_the_end();
     read_journal();
     // A core that is gone is noticed some time after its last step.
     const bool gone = reason == db::CloseReason::core_restarted;
@@ -606,20 +663,45 @@ class Recorder::Work final : public Records {
     }
   }
 
-  std::size_t read_ticks() {
+  // False when there is none.
+  bool next_ticks() {
+    if (rest_.from < rest_.to) return true;
     auto got = ticks_.read(tick_buffer_);
     // All of these at once: the session has to be open before the events and frames that follow them are read.
     while (got.count > 0 && known(tick_buffer_[got.count - 1])) got = ticks_.read(tick_buffer_);
-    if (got.count == 0) return 0;
-    heard_ns_ = now_ns_;
-    if (session_open() && ticks_.life() != life_) {
-      // The old core is gone; what it said is stored. What follows is another session, and the time between belongs to neither.
-      end(db::CloseReason::core_restarted);
+    rest_ = {0, got.count};
+    more_ = got.count == kReadTicks;
+    if (got.lost > 0 && !takes_ticks()) {
+      unread_ = true;
+      begin_lost_ = waits_ ? "storage" : "recorder_late";
     }
-    std::size_t from = 0;
+    if (!more_) waits_ = false;
+    if (got.count == 0) return false;
+    heard_ns_ = now_ns_;
+    read_time_ns_ = tick_buffer_[got.count - 1].time_ns;
     if (takes_ticks() && !fresh_ && got.lost > 0 && tick_buffer_[0].tick > last_tick_ + 1)
       check(writer_->append_gap("ticks", last_tick_ + 1, tick_buffer_[0].tick - 1, "recorder_late"));
-    for (std::size_t i = 0; i < got.count; ++i) {
+    return true;
+  }
+
+  // Whether there are more.
+  bool read_ticks() {
+    if (!next_ticks()) return false;
+    const std::size_t to = rest_.to;
+    std::size_t from = rest_.from;
+    // What an end that is refused has not taken is read once it is stored.
+    const auto ended = [&](std::size_t at, db::CloseReason reason) {
+      append(from, at);
+      from = at;
+      end(reason);
+      if (!end_again_) return true;
+      rest_ = {at, to};
+      more_ = true;
+      return false;
+    };
+    // The old core is gone; what it said is stored. What follows is another session, and the time between belongs to neither.
+    if (session_open() && ticks_.life() != life_ && !ended(from, db::CloseReason::core_restarted)) return true;
+    for (std::size_t i = from; i < to; ++i) {
       const TickRecord& record = tick_buffer_[i];
       if (known(record)) {
         from = i + 1;
@@ -628,21 +710,10 @@ class Recorder::Work final : public Records {
       if (going_on_) go_on_with(record);
       const bool was_moving = last_ && ticks_.life() == last_life_ && moving(*last_);
       const bool starts = moving(record) && !was_moving;
-      if (starts) {
-        walk_from_ = std::exchange(walk_began_, std::nullopt).value_or(record.tick);
-        begin_lost_ = walk_from_ < record.tick ? "server_absent" : "storage";
-      }
-      if (starts && takes_ticks() && kind_ != Kind::by_hand) {
-        append(from, i);
-        from = i;
-        end(db::CloseReason::finished);
-      }
+      if (starts && takes_ticks() && kind_ != Kind::by_hand && !ended(i, db::CloseReason::finished)) return true;
+      if (starts) note_begin(record);
       if (starts && takes_ticks() && kind_ == Kind::by_hand) name_exercise();
-      if (takes_ticks() && kind_ == Kind::standby && !end_again_ && standby_over(record)) {
-        append(from, i);
-        from = i;
-        end(db::CloseReason::finished);
-      }
+      if (takes_ticks() && kind_ == Kind::standby && standby_over(record) && !ended(i, db::CloseReason::finished)) return true;
       // Also when the disk refused at the start: asked again while motion lasts, so that the rest is recorded.
       if (moving(record) && writer_ && !session_open() && (starts || now_ns_ - begin_tried_ns_ >= kRetry_ns)) {
         begin_tried_ns_ = now_ns_;
@@ -655,16 +726,26 @@ class Recorder::Work final : public Records {
         check(begin(record, chosen_, "", Kind::standby));
       }
       if (!session_open()) from = i + 1;
+      unread_ = false;
       last_ = record;
       last_life_ = ticks_.life();
-      if (takes_ticks() && kind_ == Kind::walk && over(record)) {
-        append(from, i + 1);
-        from = i + 1;
-        end(db::CloseReason::finished);
-      }
+      if (takes_ticks() && kind_ == Kind::walk && over(record) && !ended(i + 1, db::CloseReason::finished)) return true;
     }
-    append(from, got.count);
-    return got.count;
+    append(from, to);
+    rest_ = {};
+    return more_;
+  }
+
+  // Where the motion began that is seen first with this step, and why what came before is not there.
+  void note_begin(const TickRecord& record) {
+    walk_from_ = record.tick;
+    if (walk_began_) {
+      walk_from_ = *std::exchange(walk_began_, std::nullopt);
+      begin_lost_ = "server_absent";
+    } else if (unread_) {
+      walk_from_ = began_unread(record.tick);
+    }
+    if (walk_from_ >= record.tick) begin_lost_ = "storage";
   }
 
   // The walk that broke off either goes on with the first record after it, or it is over.
@@ -760,7 +841,7 @@ class Recorder::Work final : public Records {
       if (got.count > 0 && !frames_seen_)
         note_overwritten("bus", bus_buffer_[0], known_ && known_->until.last_frame_time_ns, tick_at(bus_buffer_[0].time_ns));
       std::size_t from = 0;
-      while (from < got.count && known(bus_buffer_[from])) ++from;
+      while (from < got.count && (bus_buffer_[from].time_ns < frames_from_ns_ || known(bus_buffer_[from]))) ++from;
       std::size_t to = got.count;
       while (to > from && bus_buffer_[to - 1].time_ns > until_ns) --to;
       if (from < to) check(writer_->append_bus(std::span(bus_buffer_).subspan(from, to - from)));
@@ -851,6 +932,7 @@ class Recorder::Work final : public Records {
   ExportId last_export_ = 0;
   std::map<ExportId, std::shared_ptr<db::SpoolFile>> spooling_;  // being written
   struct Spooled {
+    db::SessionId session = 0;
     std::string etag;
     std::uint64_t used_ns = 0;
     std::shared_ptr<const db::SpoolFile> file;
@@ -865,8 +947,11 @@ class Recorder::Work final : public Records {
   std::vector<StandingNotice> notices_;
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
-  std::uint64_t heard_ns_ = 0;  // steady time of the newest step that came
+  std::uint64_t heard_ns_ = 0;      // steady time at which the newest step came
+  std::uint64_t read_time_ns_ = 0;  // its own time
   std::optional<db::CloseReason> end_again_;
+  bool waits_ = false;                               // since an end was refused, steps may lie in the ring that were made then
+  std::optional<std::string> waits_for_;             // the patient whom they were made for
   Kind kind_ = Kind::walk;                           // of the session that is open
   std::optional<std::string> chosen_, standby_for_;  // the patient, and the one whom the open session is for
   std::uint64_t started_time_ns_ = 0;
@@ -879,8 +964,13 @@ class Recorder::Work final : public Records {
   std::uint64_t walk_from_ = 0;              // step with which the newest motion began
   std::optional<std::uint64_t> walk_began_;  // of a walk that was found under way
   const char* begin_lost_ = "storage";       // why no session began with that step
-  std::uint64_t first_tick_ = 0;
-  std::uint64_t journal_from_ = 0;  // tick of the session's first sample
+  bool unread_ = false;                      // the steps before the next one were overwritten, and belong to no session
+  struct Rest {
+    std::size_t from = 0, to = 0;
+  } rest_;                                             // of tick_buffer_: read, and not taken yet
+  bool more_ = false;                                  // the ring may hold more than these
+  std::uint64_t first_tick_ = 0, frames_from_ns_ = 0;  // what is earlier is no part of the session
+  std::uint64_t journal_from_ = 0;                     // tick of the session's first sample
   std::uint64_t last_tick_ = 0;
   std::uint64_t last_time_ns_ = 0;
   std::uint64_t quiet_since_ns_ = 0;

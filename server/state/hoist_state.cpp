@@ -31,8 +31,14 @@ void HoistState::motion_begins(nlohmann::json told, const std::optional<db::Task
 }
 
 void HoistState::choose_patient(std::optional<ChosenPatient> patient) {
+  const auto id_of = [](const std::optional<ChosenPatient>& one) { return one ? std::optional(one->id) : std::nullopt; };
+  const bool another = id_of(patient) != id_of(patient_);
   patient_ = std::move(patient);
   patient_rests_ns_.reset();
+  if (another) {
+    walk_.change_patient();
+    tell_walk();
+  }
   recorder_.set_subject(patient_ ? std::optional(patient_->code) : std::nullopt);
   if (on_patient_) on_patient_();
 }

@@ -59,7 +59,10 @@ class HoistState final : public CoreListener {
   void motion_begins(nlohmann::json told, const std::optional<db::TaskRecord>& task);
   // Nothing: no patient is chosen.
   [[nodiscard]] const std::optional<ChosenPatient>& patient() const { return patient_; }
+  // Another one than before, or none: also the walk and the task begin anew.
   void choose_patient(std::optional<ChosenPatient> patient);
+  // A recording was begun by hand: the next start begins at its start mark.
+  void start_anew() { walk_.start_anew(); }
   // Name and language of this hoist, as they were read or changed last; empty before.
   [[nodiscard]] const db::DeviceSettings& device() const { return device_; }
   void set_device(db::DeviceSettings device) { device_ = std::move(device); }

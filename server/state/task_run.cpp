@@ -42,7 +42,8 @@ void TaskRun::forget() {
 
 std::optional<db::TaskRecord> TaskRun::next(const Exercise& exercise, Mode mode, bool again) const {
   if (!choice_ || !same(exercise, choice_->exercise) || std::ranges::count(choice_->task->leads, mode) == 0) return std::nullopt;
-  const bool goes_on = !again && repetition_ > 0 && mark_ && mark_ == counted_mark_;
+  const bool not_begun = !begun_tick_;
+  const bool goes_on = repetition_ > 0 && (not_begun || (!again && mark_ && mark_ == counted_mark_));
   return db::task_record(*choice_, goes_on ? repetition_ : repetition_ + 1);
 }
 

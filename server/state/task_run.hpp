@@ -19,7 +19,8 @@ class TaskRun {
   [[nodiscard]] const std::optional<db::TaskChoice>& choice() const { return choice_; }
 
   // What a motion on this exercise would be recorded as, were it to begin now; nothing when it is not the task's. A new start mark begins the
-  // next repetition, the same one goes on with the last. `again`: the start mark will be a new one; its step may come later than this question.
+  // next repetition, the same one goes on with the last, as does a repetition in which nothing has moved. `again`: the start mark will be a new one;
+  // its step may come later than this question.
   [[nodiscard]] std::optional<db::TaskRecord> next(const contract::Exercise& exercise, contract::Mode mode, bool again = false) const;
   // Whether the latest repetition has reached its end: a start on its line begins the next one, at its start.
   [[nodiscard]] bool over() const { return reached_; }

@@ -63,6 +63,13 @@ void Walk::mark_start() {
   path_.add(x_m, y_m);
 }
 
+void Walk::change_patient() {
+  begun_ = nullptr;
+  anew_ = true;
+  mark_start();
+  task_.choose(task_.choice());
+}
+
 void Walk::forget() {
   begun_ = nullptr;
   last_.reset();

@@ -43,6 +43,10 @@ class Walk {
   Change take(const contract::TickRecord& record);
   // Another core: only the chosen exercise is left.
   void forget();
+  // The next start begins at its start mark, also where it would go on.
+  void start_anew() { anew_ = true; }
+  // At standstill: nothing walked so far, and no repetition of the task, is of the patient who walks next.
+  void change_patient();
   // Another exercise ends the task, where one is chosen.
   void choose(const Exercise& exercise) {
     chosen_ = exercise;
@@ -54,10 +58,12 @@ class Walk {
     task_.choose(choice);
   }
   [[nodiscard]] const Exercise& chosen() const { return chosen_; }
+  [[nodiscard]] bool starts_anew() const { return anew_; }
   [[nodiscard]] const TaskRun& task() const { return task_; }
   // A motion has begun with this exercise; `told` as in the request, for GUIDED with speed and laps. `task`: as it is recorded, too.
   void begin(nlohmann::json told, const std::optional<db::TaskRecord>& task) {
     begun_ = std::move(told);
+    anew_ = false;
     task_.begin(task);
   }
 
@@ -75,6 +81,7 @@ class Walk {
   std::optional<contract::TickRecord> last_;
   std::optional<Mark> mark_;  // nothing: set before this server came
   std::uint64_t motion_ns_ = 0;
+  bool anew_ = false;
   PathTrace path_;
   TaskRun task_;
 };

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <fstream>
+#include <iostream>
 #include <limits>
 #include <optional>
 
@@ -158,7 +159,8 @@ bool bites(const SessionOptions& broken_product, const std::string& promise) {
   const SessionReport report = run_session(broken_product);
   for (const std::string& line : report.broken)
     if (line.find(promise + ":") != std::string::npos) return true;
-  ADD_FAILURE() << "only this is broken: " << list(report);
+  EXPECT_FALSE(report.broken.empty()) << "nothing is broken";
+  std::cout << "only this is broken: " << list(report);
   return false;
 }
 SessionOptions quiet(Sabotage sabotage) {

@@ -268,7 +268,7 @@ class Session {
     const int which = std::min(static_cast<int>(f.size * 3.0), 2);
     const double share = f.size * 3.0 - which;
     const bool back = at.speed_m_s < -0.02;
-    const double ahead_m = back ? -0.12 : 0.65;
+    const double ahead_m = back ? -0.12 : loop_.world().plant().params().caster_ahead_m + 0.15;
     sim::FloorEdge edge{at.x_m + ahead_m * std::cos(at.psi_rad), at.y_m + ahead_m * std::sin(at.psi_rad),
                         at.psi_rad + (back ? sim::kPi : 0.0) + (share - 0.5) * 0.5};
     edge.height_m = sill ? 0.004 + 0.016 * share : -(0.005 + 0.025 * share);

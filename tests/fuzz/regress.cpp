@@ -8,6 +8,7 @@
 #include <iterator>
 #include <random>
 
+#include "control/contract/faults.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace hoist::fuzz {
@@ -81,6 +82,17 @@ TEST_P(FuzzTarget, SurvivesKeptAndMutatedInputs) {
     Input input = inputs[static_cast<std::size_t>(random()) % inputs.size()];
     mutate(input, random, inputs);
     target.run(input);
+  }
+}
+
+// What the core targets promise about motion would hold of a hoist that never moves.
+TEST(CoreTargets, DriveInEachModeThatMoves) {
+  for (const Target& target :
+       {Target{"core_frames", fuzz_core_frames, seeds_core_frames}, {"core_commands", fuzz_core_commands, seeds_core_commands}}) {
+    core_modes_driven = 0;
+    for (const Input& input : target.seeds()) target.run(input);
+    for (const contract::ModeInfo& mode : contract::kModes)
+      EXPECT_TRUE(!mode.moving || (core_modes_driven >> mode.value & 1U) != 0) << target.name << " never drives in " << mode.name;
   }
 }
 

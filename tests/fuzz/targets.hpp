@@ -10,4 +10,7 @@ namespace hoist::fuzz {
 #include "tests/fuzz/targets.def"
 #undef HOIST_FUZZ_TARGET
 
+/// Bit 1 << Mode: the core targets saw a wheel commanded to turn in this mode.
+extern std::uint32_t core_modes_driven;
+
 }  // namespace hoist::fuzz

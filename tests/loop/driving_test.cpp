@@ -71,7 +71,7 @@ TEST(Driving, ATurnAwayFromThePatientsLineIsFollowed) {
     loop.hold_stick(0.6, 0.0);
     loop.run(6.0);
     loop.hold_stick(0.6, yaw_norm);
-    loop.run(6.0);
+    loop.run(8.0);
     EXPECT_EQ(loop.mode(), Mode::remote) << yaw_norm;
     EXPECT_EQ(loop.world().patient().state(), sim::PatientState::following) << yaw_norm;
   }

@@ -107,7 +107,7 @@ bool one_cut(Cut cut, std::uint64_t seed, const contract::Params& params, double
   return true;
 }
 
-void judge(Cut cut, const char* name, int wanted, double excess_most = 0.20, const contract::Params& params = {}) {
+void judge(Cut cut, const char* name, int wanted, double excess_most = 0.23, const contract::Params& params = {}) {
   Sum sum;
   std::uint64_t seed = static_cast<std::uint64_t>(cut) * 1'000'000;
   const int most = wanted * 3;

@@ -10,7 +10,7 @@ int main(int count, char** arguments) {
     return 2;
   }
   const auto rows = hoist::reactions::measure(hoist::reactions::kPageTries);
-  const std::string text = hoist::reactions::page(rows);
+  const std::string text = hoist::reactions::page(rows, hoist::reactions::measure_machines(hoist::reactions::kPageTries));
   std::fputs(text.c_str(), stdout);
   if (count > 1) {
     std::ofstream out(arguments[1], std::ios::binary | std::ios::trunc);

@@ -218,8 +218,9 @@ bool set_off(ClosedLoop& loop, const Row& row, double wish_m_s) {
 }
 
 // One try; adds to the row's figures.
-void once(const Row& row, int number, Reaction& result) {
+void once(const Row& row, int number, Reaction& result, const sim::PlantParams& plant = {}) {
   tests::ClosedLoopOptions options;
+  options.world.plant = plant;
   options.world.seed = static_cast<std::uint64_t>(number) + 1;
   options.world.scenario = sim::find_scenario(row.scenario);
   options.world.patient.wish_m_s = 0.30 + 0.05 * (number % 4);
@@ -303,7 +304,42 @@ std::vector<Reaction> measure(int tries) {
   return results;
 }
 
-std::string page(const std::vector<Reaction>& rows) {
+std::vector<Machine> measure_machines(int tries) {
+  const auto frame = [](double casters_ahead_m, double driven_load_norm) {
+    sim::PlantParams plant;
+    plant.caster_ahead_m = casters_ahead_m;
+    plant.driven_load_norm = driven_load_norm;
+    return plant;
+  };
+  sim::PlantParams heavy_rotors, quick_brakes, slow_brakes, slow_gyros;
+  heavy_rotors.rotor_inertia_kg_m2 = 4.3e-4;
+  quick_brakes.brake_close_s = 0.0;
+  slow_brakes.brake_close_s = 0.10;
+  slow_gyros.imu.gyro_late_s = 0.0098;
+  const std::vector<std::pair<const char*, sim::PlantParams>> machines{
+      {"as above: casters 0.8 m ahead, 85 % of the weight on the driven axle", {}},
+      {"casters 1.0 m ahead", frame(1.0, 0.85)},
+      {"casters 0.6 m ahead", frame(0.6, 0.85)},
+      {"70 % on the driven axle", frame(0.8, 0.7)},
+      {"casters 0.5 m ahead, 70 % on the driven axle", frame(0.5, 0.7)},
+      {"rotors of 4.3e-4 kg m² in place of 1.0e-4", heavy_rotors},
+      {"brakes that close at once in place of 50 ms", quick_brakes},
+      {"brakes that close after 100 ms", slow_brakes},
+      {"gyroscopes 9.8 ms late in place of 4.9", slow_gyros}};
+  std::vector<Machine> results;
+  for (const auto& [what, plant] : machines) {
+    Machine machine{what, {}, {}};
+    for (const Row& row : table()) {
+      const bool falls = std::string_view(row.hazard) == "H15";
+      if (!falls && row.why != bit(Fault::emergency_stop)) continue;
+      for (int i = 0; i < tries; ++i) once(row, i, falls ? machine.fall : machine.emergency_stop, plant);
+    }
+    results.push_back(machine);
+  }
+  return results;
+}
+
+std::string page(const std::vector<Reaction>& rows, const std::vector<Machine>& machines) {
   std::ostringstream text;
   text << "<!-- Made by `deploy/dev trace --write`: measured, not written. Do not edit. -->\n"
           "# How fast each hazard is answered\n\n"
@@ -325,6 +361,18 @@ std::string page(const std::vector<Reaction>& rows) {
   for (const Reaction& row : rows)
     text << "| " << row.hazard << " | " << row.fault << " | " << row.answer << " | " << row.budget_ms << " ms | " << row.worst_ms
          << " ms | " << row.stopped_ms << " ms | " << row.distance_cm << " cm |\n";
+  text << "\n## Other machines\n\n"
+          "What the simulator assumes of the machine, one thing at a time, for a patient who stumbles and for the emergency stop, each of "
+       << kPageTries
+       << "\ntries. *Dragged*: not at rest after 12 s, or stopped for another cause. A body in the harness pulls forward at 0.8 m: it "
+          "takes load\n"
+          "off the driven wheels and puts it on the casters, so that held wheels may slide.\n\n"
+          "| machine | fall: worst reaction | to rest | longest way | dragged | emergency stop: to rest | longest way |\n"
+          "|---|---|---|---|---|---|---|\n";
+  for (const Machine& machine : machines)
+    text << "| " << machine.what << " | " << machine.fall.worst_ms << " ms | " << machine.fall.stopped_ms << " ms | "
+         << machine.fall.distance_cm << " cm | " << machine.fall.missed << " | " << machine.emergency_stop.stopped_ms << " ms | "
+         << machine.emergency_stop.distance_cm << " cm |\n";
   return text.str();
 }
 

@@ -20,8 +20,15 @@ struct Reaction {
 /// Every row, each tried so many times.
 [[nodiscard]] std::vector<Reaction> measure(int tries);
 
+/// The same machine, but for one thing that the simulator assumes: what it makes of a fall and of the emergency stop.
+struct Machine {
+  std::string what;
+  Reaction fall, emergency_stop;
+};
+[[nodiscard]] std::vector<Machine> measure_machines(int tries);
+
 /// The committed page, and its values of a row (budget, worst, stopped, distance as in Reaction; tries 0 without that row).
-[[nodiscard]] std::string page(const std::vector<Reaction>& rows);
+[[nodiscard]] std::string page(const std::vector<Reaction>& rows, const std::vector<Machine>& machines);
 [[nodiscard]] Reaction read_row(std::string_view page, std::string_view fault);
 inline constexpr std::string_view kPage = "control/REACTIONS.gen.md";
 /// So many tries stand behind the page.

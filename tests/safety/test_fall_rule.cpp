@@ -51,8 +51,9 @@ class Rule {
     }
     const bool rests = lean.length() > 13;
     rest_ticks_ = rests ? rest_ticks_ + 1 : 0;
+    stop_ticks_ = stops ? stop_ticks_ + 1 : 0;
     if (!rests) swings_ = false;
-    if (!moving) return (pushed && rest_ticks_ >= 10) || (stops && rest_ticks_ >= 60);
+    if (!moving) return (pushed && rest_ticks_ >= 10) || (rest_ticks_ >= 60 && stop_ticks_ >= 60);
     // Thrown by the hoist itself: in the 0.3 s after its push, that way, and not mainly aside.
     const bool thrown =
         since_push_ticks_ < 30 && (lean.forward_deg > 0) == pushed_forward_ && std::fabs(lean.right_deg) <= std::fabs(lean.forward_deg);
@@ -68,7 +69,7 @@ class Rule {
 
  private:
   double speed_m_s_ = 0, grown_m_s_ = 0;
-  int since_push_ticks_ = 1000, rest_ticks_ = 0;
+  int since_push_ticks_ = 1000, rest_ticks_ = 0, stop_ticks_ = 0;
   bool pushed_forward_ = false, swings_ = false;
 };
 
@@ -247,6 +248,44 @@ TEST(FallInAStop, H15H16WhoStaysInTheStopsHasFallen) {
       }
     }
     EXPECT_EQ(falls, stay.falls);
+  }
+}
+
+// Struts that are held while straps are fastened, and a stop then.
+TEST(FallInAStop, H15WhatWasHeldBeforeTheStopIsJudgedFromItOn) {
+  MonitorBench bench;
+  bench.moving = false;
+  FallDetected monitor;
+  for (int i = 0; i < 300; ++i) {
+    send_angles(bench.sensed.left_strut, {.alpha_deg = 14});
+    send_angles(bench.sensed.right_strut, {.alpha_deg = 14});
+    send_angles(bench.sensed.base, {});
+    bench.mode = i < 200 ? Mode::standby : Mode::protective_stop;
+    ASSERT_EQ(monitor.check(bench.view()), i >= 259) << i;
+  }
+}
+
+// The last angles of silent sensors tell nothing of the patient: neither is a fall found in them, nor do they keep its alarm.
+TEST(FallInAStop, H15SilentSensorsTellOfNoFall) {
+  for (const bool told : {false, true}) {
+    SCOPED_TRACE(told);
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.start(Mode::remote));
+    hoist.drive_for(200, 0.9);
+    ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+    hoist.lean(14);
+    hoist.step(told ? 100 : 30);
+    EXPECT_EQ(hoist.has_fault(Fault::fall_detected), told);
+    hoist.tilt_left.silent = hoist.tilt_right.silent = true;
+    hoist.lean(0);
+    hoist.step(500);
+    EXPECT_EQ(hoist.has_fault(Fault::fall_detected), told) << "what was told waits for its release";
+    EXPECT_EQ(hoist.state.conditions & contract::fault_bit(Fault::fall_detected), 0U);
+    ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
+    EXPECT_EQ(acknowledge_as(hoist, kTherapist), 0U) << "sensors that do not come back hold nobody in the stop";
+    EXPECT_EQ(hoist.state.mode, Mode::init);
+    hoist.tilt_left.silent = hoist.tilt_right.silent = false;
+    EXPECT_TRUE(hoist.reach(Mode::standby));
   }
 }
 

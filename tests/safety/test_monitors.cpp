@@ -309,6 +309,7 @@ TEST(Monitors, H2AStopThatDoesNotStopLetsGoOfBothDrives) {
   hoist.drive_left.forced_m_s = 0.6;  // its servo has lost the wheel
   ASSERT_TRUE(hoist.reach(Mode::protective_stop, 30));
   hoist.drive_left.forced_m_s = 0.1;  // and lets it creep: too slow for a runaway (test_runaway.cpp)
+  hoist.drive_left.current_a = 0;
   int ticks = 0;
   while (hoist.drive_right.last_control != 0x00 && ticks < 500) {
     EXPECT_EQ(hoist.drive_right.last_control, 0x0F) << "until then the other wheel brakes under its servo";

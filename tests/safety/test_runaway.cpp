@@ -1,6 +1,7 @@
 // H1: a motor that turns without a command. First a protective stop, then, if that has no effect, the supply is cut.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 #include "control/core/modes/mode_list.hpp"
@@ -260,6 +261,60 @@ TEST(Runaway, H1AHoistThatHasStoodMayBePushedInAStop) {
   hoist.step(200);
   hoist.drive_left.forced_m_s = 0.5;  // its brake was released by hand, to free the patient
   EXPECT_EQ(ticks_until_released(hoist, 100), -1);
+}
+
+// The brake holds 89 N at a wheel; beside a body that pushes it with 75 N the motor needs 0.4 A (seed 19819 of tests/chaos).
+TEST(Runaway, H1ABodyThatHelpsAShortedBridgeDoesNotHideIt) {
+  for (const double current_a : {0.25, -0.25, 0.35, -0.35}) {
+    SCOPED_TRACE(current_a);
+    ScriptedHoist hoist = stopping(0.1);
+    hoist.drive_left.forced_m_s = 0;
+    hoist.step(200);
+    run_away(hoist.drive_left, 0.45, current_a);
+    const int released = ticks_until_released(hoist, 100);
+    EXPECT_EQ(released > 0, std::fabs(current_a) > 0.3);
+    EXPECT_LE(released, 60);
+  }
+}
+
+// A serial line has no checksum. One damaged current of a wheel that hands push away cuts no supply, however large; nor does one of 0.16 s.
+TEST(Runaway, H1_H22ACurrentThatDoesNotLastCutsNothing) {
+  for (const auto& [current_a, ticks] : {std::pair{12.0, 1}, {70.0, 1}, {196.0, 1}, {-196.0, 1}, {2.5, 16}, {2.5, 40}}) {
+    SCOPED_TRACE(::testing::Message() << current_a << " A for " << ticks << " steps");
+    ScriptedHoist hoist = stopping(0.1);
+    hoist.drive_left.forced_m_s = 0;
+    hoist.step(200);
+    run_away(hoist.drive_left, 0.3, current_a);
+    hoist.step(ticks);
+    hoist.drive_left.current_a = 0;
+    const bool before = hoist.state.relay.is_cut();
+    EXPECT_EQ(before || ticks_until_released(hoist, 100) >= 0, ticks > 30);
+  }
+}
+
+// A body that falls into the stops may push harder than the motors hold. Without them it would push the hoist faster.
+TEST(Runaway, H1H2H15MotorsThatBrakeHarderThanTheBrakesAreLeftTo) {
+  for (const double wheel_m_s : {0.5, -0.5, 0.1}) {
+    for (const double against_a : {2.9, 3.1}) {
+      SCOPED_TRACE(::testing::Message() << wheel_m_s << " m/s, " << against_a << " A");
+      ScriptedHoist hoist;
+      ASSERT_TRUE(hoist.start(Mode::remote));
+      hoist.drive_for(200, 0.9);
+      ASSERT_EQ(hoist.ask(CommandKind::stop), 0U);
+      ASSERT_TRUE(hoist.reach(Mode::protective_stop, 30));
+      for (FakeDrive* drive : {&hoist.drive_left, &hoist.drive_right}) run_away(*drive, wheel_m_s, std::copysign(against_a, -wheel_m_s));
+      bool off = false, released = false;
+      for (int i = 0; i < 300; ++i) {
+        hoist.step();
+        released = released || hoist.state.relay.is_cut();
+        off = off || hoist.state.in_mode.hold.cut();
+        if (off || released) hoist.drive_left.current_a = hoist.drive_right.current_a = 0;
+      }
+      const bool fast = std::fabs(wheel_m_s) > 0.2, weaker = against_a < 3;
+      EXPECT_EQ(released, fast && weaker) << "the last resort is for what runs away";
+      EXPECT_EQ(off, !fast && weaker) << "what creeps is switched off";
+    }
+  }
 }
 
 TEST(Runaway, H1ASilentDriveThatRunsOnIsSeenByTheGyroscope) {

@@ -215,9 +215,9 @@ TEST(HangingRule, H16EachStepOfARandomPatientIsJudgedByTheRule) {
 
 class SensorFaultRule {
  public:
-  /// `turn_deg_s`: of the chassis, as far as it is known.
-  bool faulty(const TiltSensor& tilt, const TiltSample& sent, double turn_deg_s, double limit_deg, const TiltRates* rates) {
-    if (rates != nullptr) {
+  /// `turn_deg_s`: of the chassis, as far as it is known; `spun`: it is faster than a hoist turns, and the wheels do not deny it.
+  bool faulty(const TiltSensor& tilt, const TiltSample& sent, double turn_deg_s, bool spun, double limit_deg, const TiltRates* rates) {
+    if (rates != nullptr && !spun) {
       pitch_deg_ += (rates->pitch_deg_s - turn_deg_s * std::sin(sent.beta_deg * kDeg)) * kTick_s;
       roll_deg_ += (rates->roll_deg_s + turn_deg_s * std::sin(sent.alpha_deg * kDeg)) * kTick_s;
     }
@@ -289,8 +289,9 @@ TEST(SensorFaultRule, H8EachStepOfThreeRandomSensorsIsJudgedByTheRule) {
     std::array<FitfulTilt, 3> tilts{FitfulTilt(random), FitfulTilt(random), FitfulTilt(random)};
     const std::array sensors{&bench.sensed.left_strut, &bench.sensed.right_strut, &bench.sensed.base};
     Spells<Mode> mode(random, 400, {Mode::user, Mode::remote, Mode::standby, Mode::init});
-    Spells<double> turn_deg_s(random, 300, {0, 0, 30, -34});
-    Spells<bool> turn_silent(random, 60, {false, false, true});
+    Spells<double> turn_deg_s(random, 300, {0, 0, 30, -34, 57, -57, 57.5, -57.5});
+    Spells<bool> turn_silent(random, 60, {false, false, true}), drive_silent(random, 200, {false, false, true});
+    Spells<double> wheels_deg_s(random, 200, {0, 28, -28, 29, -29, 58});
     // Of one sensor only, so that each is found by itself.
     Spells<double> pitch_deg_s(random, 300, {0, 0, 12, -12}), roll_deg_s(random, 300, {0, 0, 12, -12});
     Spells<bool> sends_rates(random, 300, {true, true, true, false});
@@ -312,11 +313,19 @@ TEST(SensorFaultRule, H8EachStepOfThreeRandomSensorsIsJudgedByTheRule) {
         tilts[k].step(*sensors[k], fails == static_cast<int>(k), {0.05, -0.05});
         if (has_rates[k]) send_rates(*sensors[k], rates[k]);
       }
+      const bool deaf = drive_silent.step();
+      for (DriveSensor* drive : {&bench.sensed.left_drive, &bench.sensed.right_drive}) {
+        drive->next_tick();
+        if (drive != &bench.sensed.left_drive || !deaf) send_state(*drive, 0, 0);
+      }
+      bench.sensed.odometry.yaw_rate_rad_s = wheels_deg_s.step() * kDeg;
       if (has_rates[2]) turn_known_deg_s = rates[2].yaw_deg_s;
       const double turn = bench.sensed.base.rates_fresh().age_ticks() < 5 ? turn_known_deg_s : 0;
+      const bool wheels_agree = bench.sensed.left_drive.fresh().age_ticks() >= 5 || std::fabs(bench.sensed.odometry.yaw_rate_rad_s) > 0.5;
+      const bool spun = std::fabs(turn) > 57.3 && wheels_agree;
       bool expected = false;
       for (std::size_t k = 0; k < 3; ++k) {
-        const bool bad = rules[k].faulty(*sensors[k], tilts[k].sent, turn, 0.27 / kDeg, has_rates[k] ? &rates[k] : nullptr);
+        const bool bad = rules[k].faulty(*sensors[k], tilts[k].sent, turn, spun, 0.27 / kDeg, has_rates[k] ? &rates[k] : nullptr);
         expected = expected || bad;
       }
       expected = expected && bench.mode != Mode::init;

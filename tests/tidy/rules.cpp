@@ -285,13 +285,21 @@ void check_function_lengths(const File& file, std::vector<Finding>& findings) {
 }
 
 void check_wall_clock(const File& file, std::vector<Finding>& findings) {
-  static const std::regex wall_clock(R"(\b(CLOCK_REALTIME\w*|gettimeofday|system_clock|std::time|timespec_get)\b|::time\s*\()");
+  static const std::regex wall_clock(
+      R"(\b(CLOCK_REALTIME\w*|gettimeofday|(system|file|utc|tai|gps)_clock|std::time|timespec_get)\b|::time\s*\(|)"
+      R"(\btime\s*\(\s*(nullptr|NULL|0|&\w+)\s*\))");
+  // What SQLite asks the clock for; in a program it stands in a string.
+  static const std::regex of_sql(R"('now'|\bCURRENT_(DATE|TIME|TIMESTAMP)\b|\b(unixepoch|julianday)\s*\(\s*\))", std::regex::icase);
   if (may_read_the_wall_clock().count(file.path) != 0) return;
-  for (const auto& [number, text] : lines_of(without_comments(file.text, false))) {
-    std::smatch match;
-    if (std::regex_search(text, match, wall_clock))
-      findings.push_back({file.path, number, "wall-clock", "'" + match.str() + "': it may jump; the steady clock does not"});
-  }
+  const auto look = [&](const std::string& code, const std::regex& clock) {
+    for (const auto& [number, text] : lines_of(code)) {
+      std::smatch match;
+      if (std::regex_search(text, match, clock))
+        findings.push_back({file.path, number, "wall-clock", "'" + match.str() + "': it may jump; the steady clock does not"});
+    }
+  };
+  look(without_comments(file.text, false), wall_clock);
+  look(without_comments(file.text, true), of_sql);
 }
 
 // Sentences that no file may hold. The patterns are put together from halves so that this file does not hold them either.
@@ -394,11 +402,11 @@ std::vector<Finding> check_file(const File& file, const std::vector<std::string>
       findings.push_back({file.path, 1, "pragma-once", "a header without #pragma once"});
     if (is_pure(file.path)) check_pure_words(file, findings);
     if (has_short_functions(file.path)) check_function_lengths(file, findings);
-    if (starts_with(file.path, "control/") || starts_with(file.path, "server/") || starts_with(file.path, "db/") ||
-        starts_with(file.path, "firmware/"))
-      check_wall_clock(file, findings);
     if (starts_with(file.path, "tests/") && !starts_with(file.path, "tests/tidy/")) check_test_habits(file, findings);
   }
+  const bool runs = starts_with(file.path, "control/") || starts_with(file.path, "server/") || starts_with(file.path, "db/") ||
+                    starts_with(file.path, "firmware/");
+  if (runs && (is_cpp(file.path) || ends_with(file.path, ".sql"))) check_wall_clock(file, findings);
   if (starts_with(file.path, "web/src/") && (ends_with(file.path, ".ts") || ends_with(file.path, ".tsx")))
     check_web_imports(file, findings);
   return findings;

@@ -101,6 +101,13 @@ TEST(WallClock, H26OnlyDatesForPeopleComeFromIt) {
   EXPECT_EQ(broken_by("server/link/a.cpp", "auto t = std::chrono::system_clock::now();\n"), wall_clock);
   EXPECT_EQ(broken_by("db/store/a.cpp", "gettimeofday(&t, nullptr);\n"), wall_clock);
   EXPECT_EQ(broken_by("firmware/sim/a.cpp", "auto t = ::time(nullptr);\n"), wall_clock);
+  EXPECT_EQ(broken_by("firmware/sim/a.cpp", "auto t = time(nullptr);\n"), wall_clock);
+  EXPECT_EQ(broken_by("server/a.cpp", "auto t = std::chrono::file_clock::now();\n"), wall_clock);
+  for (const std::string sql : {"date('now')", "Current_Timestamp", "unixepoch( )"}) {
+    EXPECT_EQ(broken_by("db/store/a.cpp", "run(\"UPDATE a SET t = " + sql + "\");\n"), wall_clock) << sql;
+    EXPECT_EQ(broken_by("db/schema/a.sql", "UPDATE a SET t = " + sql + ";\n"), wall_clock) << sql;
+  }
+  EXPECT_EQ(broken_by("db/schema/a.sql", "SELECT date(utc_ns / 1000000000, 'unixepoch', 'localtime');\n"), Rules{});
   EXPECT_EQ(broken_by("control/run/main.cpp", "auto t = now_ns(CLOCK_REALTIME);\n"), Rules{});
   EXPECT_EQ(broken_by("control/run/a.cpp",
                       "auto t = CLOCK_MONOTONIC; // not CLOCK_REALTIME\nauto u = lead_time(3), v = std::chrono::steady_clock::now();\n"),

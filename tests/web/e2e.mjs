@@ -129,7 +129,7 @@ async function startMotion(panel, name, mode) {
   );
 }
 const startWalk = () => startMotion('walk', 'Start walking', 'Patient leads');
-const startDrive = () => startMotion('drive', 'Take control and drive', 'Therapist drives');
+const startDrive = () => startMotion('drive', 'Start driving', 'Therapist drives');
 
 /** Pixels of the floor view in the colour of the walked path. */
 const pathPixels = () =>
@@ -501,7 +501,7 @@ const cases = {
     await page.locator('.home .rows a', { hasText: code }).click();
     await until('the visit has the walk', () => page.locator(`.patient-visit a[href="#/sessions/${id}"]`).isVisible());
     await page.goto(`${stack.origin}/#/home`);
-    await button('No patient').click();
+    await button('Deselect patient').click();
     await until('nobody is chosen', () => page.getByText('No patient chosen').isVisible());
   },
 

@@ -31,7 +31,7 @@ const signIn = new Lazy(async () => (await import('./panels/sign_in/sign_in')).S
 export function App() {
   const words = useLazy(firstWords);
   const signedIn = useStore((s) => s.signedIn);
-  // Once open, the shell and its STOP stay: a person signed out in the middle of a walk must still be able to try STOP.
+  // Signed out in the middle of a walk, or without being asked, the shell stays and says what to do.
   const gate = !useStore((s) => s.everOpen) && !signedIn;
   const { asking, answer } = useTakeOver();
   if (words.state === 'ready' && gate) return <Gate />;

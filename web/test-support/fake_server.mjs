@@ -427,8 +427,9 @@ export function startFakeServer({
     visit: 11,
     day: dayOf(Date.UTC(2026, 9, 2 + 6 * i)),
     started_utc_ms: Date.UTC(2026, 9, 2 + 6 * i, 9, 30),
-    exercise: i === 2 ? { shape: 'square', side_m: 3.2 } : i === 3 ? lines[0].exercise : { shape: 'eight', c_m: 1, radius_m: 0.8 },
-    task: i === 3 ? 'own_line' : null,
+    exercise: i === 1 ? null : i === 2 ? { shape: 'square', side_m: 3.2 } : i === 3 ? lines[0].exercise : { shape: 'eight', c_m: 1, radius_m: 0.8 },
+    task: i === 1 ? 'walk_6min' : i === 3 ? 'own_line' : null,
+    ends: i === 1 ? { by: 'time', goal: 120, edge_m: 0 } : i === 3 ? { by: 'distance', goal: 1, edge_m: 0 } : null,
     line: i === 3 ? lines[0].name : null,
     figures: i === 6 ? null : i === 4 ? { ...trendFigures(i), C: null, J_N: null, rms_position_m: null, rms_heading_rad: null } : trendFigures(i),
     reasons: i === 4 ? { C: 'part_missing', J_N: 'part_missing', rms_position_m: 'part_missing', rms_heading_rad: 'part_missing' } : {},
@@ -437,6 +438,7 @@ export function startFakeServer({
   const trendChanges = ['walking_speed_m_s', 'walked_m', 'C'].map((figure, i) => ({
     exercise: { shape: 'eight', c_m: 1, radius_m: 0.8 },
     task: null,
+    ends: null,
     figure,
     first_session: 21,
     last_session: 28,
@@ -522,18 +524,20 @@ export function startFakeServer({
     return { ok: true };
   };
   const tellPatient = (only) => tell({ type: 'patient', id: hoist.patient?.id ?? null, code: hoist.patient?.code ?? null }, only);
-  const tellRecording = () =>
+  const tellRecording = () => {
+    const standby = hoist.session === null && hoist.patient !== null;
     tell({
       type: 'recording',
-      state: hoist.session === null ? 'idle' : 'recording',
-      session: hoist.session,
-      standby: false,
+      state: standby || hoist.session !== null ? 'recording' : 'idle',
+      session: standby ? 5 : hoist.session,
+      standby,
       started_utc_ms: Date.now(),
       samples: hoist.tick - hoist.sessionTick,
       durable_tick: hoist.tick,
       detail: '',
       reason_code: null,
     });
+  };
   const setMode = (mode) => {
     if (hoist.mode === mode) return;
     hoist.mode = mode;
@@ -829,6 +833,7 @@ export function startFakeServer({
       if (message.patient !== null && one === null) return { ok: false, refusals: [], reason_code: 'unknown' };
       hoist.patient = one;
       tellPatient();
+      tellRecording();
       return { ok: true };
     },
     neutral: () => ({ ok: true }),
@@ -949,7 +954,7 @@ export function startFakeServer({
       failures++;
       return failures > 2
         ? send(429, { type: '/problems/too-many', title: 'Wait', status: 429 }, { 'Retry-After': String(2 ** (failures - 2)) })
-        : send(401, { type: '/problems/wrong-password', title: 'Wrong', status: 401 });
+        : send(401, { type: '/problems/wrong-secret', title: 'Wrong', status: 401 });
     };
     const named = (name) => people.find((one) => one.user === name && one.enabled);
     const who = () => ({
@@ -1283,8 +1288,12 @@ export function startFakeServer({
       }
       return send(200, Object.assign(one, given));
     }
-    if (path === '/sessions')
-      return send(200, { items: sessions.filter(({ subject }) => (subject ?? '').includes(url.searchParams.get('q') ?? '')), next: null });
+    if (path === '/sessions') {
+      const of = url.searchParams.get('patient');
+      const own = visits.filter(({ patient }) => patient === Number(of)).flatMap((visit) => visit.sessions);
+      const fits = ({ id, subject }) => (of === null || own.includes(id)) && (subject ?? '').includes(url.searchParams.get('q') ?? '');
+      return send(200, { items: sessions.filter(fits), next: null });
+    }
     const [, owner, number] = /^\/sessions\/(\d+)\/markers(?:\/(\d+))?$/.exec(path) ?? [];
     if (owner !== undefined && number === undefined) return send(200, { items: Number(owner) === 3 ? markers : [], next: null });
     if (owner !== undefined) {

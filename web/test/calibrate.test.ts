@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { directed, entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now } from '../src/panels/calibrate/model';
 import type { Calibration, CalibrationItem, CalibrationStep } from '../src/contract/rest.gen';
 import { calibrate } from '../src/text/calibrate';
+import { en } from '../src/text/en';
 import { textOf } from '../src/text/text';
 import { eachPage, minutes_ms } from '../test-support/browser';
 
@@ -93,7 +94,12 @@ describe('driven squares', { timeout: minutes_ms }, () => {
       await press(words['calibrate.measure']);
     };
     await press(words['calibrate.start']);
+    // Thousands or thousandths: the step says so, and does not measure.
+    await page.locator('input[name=figure]').fill('1,000');
+    await page.getByText(en['tune.number']).waitFor();
+    expect(await page.getByRole('button', { name: words['calibrate.measure'], exact: true }).isDisabled()).toBe(true);
     await measure();
+    expect(await page.getByText(en['tune.number']).count()).toBe(0);
     await page.getByText(words['calibrate.now.squareRight']).waitFor();
     await measure();
     const sent = fake.hoist.commands.filter(({ type }) => type === 'calibrate_measure');

@@ -52,11 +52,65 @@ describe('a value that is typed on Tune', { timeout: minutes_ms }, () => {
   it.each([
     ['9999', 'Build-up strength: The value is outside its range. Allowed:'],
     ['abc', `Build-up strength: ${en['tune.number']}`],
+    ['1,000', `Build-up strength: ${en['tune.number']}`],
   ])('and cannot be set is told also after leaving the screen: %s', async (text, told) => {
     await open('tune');
     await page.locator('input[name=lean_gain_filtered_units]').fill(text);
     await page.goto(`${fake.url}#/health`);
     await page.locator('.notice.warning', { hasText: told }).waitFor();
+  });
+});
+
+describe('a slider on Tune', { timeout: minutes_ms }, () => {
+  const sent = () => fake.hoist.commands.filter(({ type }) => type === 'set').length;
+  const field = () => page.locator('input[name=lean_gain_filtered_units]').inputValue();
+
+  it.each([
+    [390, 844],
+    [1024, 768],
+  ])('changes nothing when a swipe over it scrolls the page of %i x %i', async (width, height) => {
+    await page.close();
+    page = await built.browser.newPage({ viewport: { width, height }, locale: 'en', hasTouch: true, isMobile: true });
+    await open('tune');
+    await page.locator('input[name=lean_gain_filtered_units]').fill('51'); // typed, and not entered
+    const slider = page.locator('.tune-slider input').first();
+    await slider.scrollIntoViewIfNeeded();
+    const { x, y, width: wide, height: high } = (await slider.boundingBox())!;
+    const devtools = await page.context().newCDPSession(page);
+    const touch = (type: 'touchStart' | 'touchMove' | 'touchEnd', up?: number) =>
+      devtools.send('Input.dispatchTouchEvent', { type, touchPoints: up === undefined ? [] : [{ x: x + 0.9 * wide, y: y + high / 2 - up, id: 1 }] });
+    const scrolled = () => page.evaluate(() => document.querySelector('main')!.scrollTop);
+    const before = await scrolled();
+    await touch('touchStart', 0);
+    for (let up = 14; up <= 168; up += 14) await touch('touchMove', up);
+    await touch('touchEnd');
+    await expect.poll(scrolled).toBeGreaterThan(before + 50);
+    await page.waitForTimeout(500);
+    expect(sent()).toBe(0);
+    expect([await slider.inputValue(), await field()]).toEqual(['50', '51']);
+  });
+
+  it('applies its value when it is let go, and after keys', async () => {
+    await open('tune');
+    const slider = page.locator('.tune-slider input').first();
+    const { x, y, width, height } = (await slider.boundingBox())!;
+    await page.mouse.move(x + width / 2, y + height / 2);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.75 * width, y - 60, { steps: 5 }); // the hand leaves the slider
+    await page.waitForTimeout(500);
+    expect(sent(), 'held').toBe(0);
+    await page.mouse.up();
+    await expect.poll(sent).toBe(1);
+    const drawn = Number(await field());
+    expect(drawn).toBeGreaterThan(60);
+    const begun_ms = Date.now();
+    for (let i = 0; i < 3; i++) await page.keyboard.press('ArrowLeft');
+    // Together, unless a busy machine pauses between them.
+    const together = Date.now() - begun_ms < 200;
+    await expect.poll(sent).toBeGreaterThan(1);
+    await page.waitForTimeout(500);
+    if (together) expect(sent()).toBe(2);
+    await expect.poll(async () => Number(await field())).toBeLessThan(drawn);
   });
 });
 

@@ -2,7 +2,7 @@
 import type { Page } from 'playwright-core';
 import { beforeEach, describe, expect, it } from 'vitest';
 import { dayOf, exists, found, isCode, match } from '../src/panels/home/model';
-import type { SessionList } from '../src/contract/rest.gen';
+import type { SessionList, VisitList } from '../src/contract/rest.gen';
 import { en } from '../src/text/en';
 import { eachPage, minutes_ms } from '../test-support/browser';
 import type { FakeServer } from '../test-support/fake_server.mjs';
@@ -145,6 +145,29 @@ describe('Home', { timeout: minutes_ms }, () => {
     await page.locator('.patient .rows li', { hasText: 'Hall, 2/3' }).waitFor();
     await page.locator('.trend select').nth(1).waitFor();
     expect(await page.locator('.trend select').nth(1).textContent()).toMatch(/Hall, \d+\.\d\d.m/);
+  });
+
+  it('lists every session of the patient, also behind more than a page of newer ones', async () => {
+    const ids = Array.from({ length: 201 }, (_, i) => 300 - i);
+    await page.route('**/api/v1/visits?*', async (route) => {
+      const answer = await route.fetch();
+      const list = (await answer.json()) as VisitList;
+      await route.fulfill({ response: answer, json: { ...list, items: [{ ...list.items[0]!, sessions: [...ids].reverse() }] } });
+    });
+    // As the server: pages of at most 200, newest first, and a code that contains this one is another patient's.
+    await page.route('**/api/v1/sessions?*', async (route) => {
+      const asked = new URL(route.request().url()).searchParams;
+      const answer = await route.fetch({ url: `${fake.url}api/v1/sessions?q=K-07` });
+      const [session] = ((await answer.json()) as SessionList).items;
+      const all = asked.get('patient') === '1' ? ids : Array.from({ length: 200 }, (_, i) => 600 - i);
+      const [first] = asked.has('cursor') ? [200] : [0];
+      const items = all.slice(first, first + 200).map((id) => ({ ...session!, id }));
+      await route.fulfill({ response: answer, json: { items, next: first + 200 < all.length ? '101' : null, total: all.length } });
+    });
+    await page.goto(`${fake.url}#/patients/1`);
+    const names = page.locator('.patient-visit .rows strong');
+    await expect.poll(() => names.count(), { timeout: 10_000 }).toBe(201);
+    await expect.poll(() => names.filter({ hasText: /^Session/ }).count(), { timeout: 10_000 }).toBe(0);
   });
 
   it('deletes a patient only by holding, and never the current one', async () => {

@@ -37,7 +37,7 @@ it(
       const question = other.getByRole('button', { name: 'Anfragen' });
       // A press right after the button was End counts for nothing (firm_click.ts).
       const start = async () => {
-        if ((await question.count()) === 0) await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).click();
+        if ((await question.count()) === 0) await other.getByRole('button', { name: 'Fahren starten' }).click();
         return question.count();
       };
       await expect.poll(start, { timeout: 20_000, interval: 300 }).toBe(1);
@@ -47,11 +47,12 @@ it(
       await press();
       await driver.getByText('Another screen asks for control.').waitFor();
     };
-    await driver.getByRole('button', { name: 'Take control and drive' }).click();
+    await driver.getByRole('button', { name: 'Start driving' }).click();
     await driver.locator('.pad.active').waitFor();
     // Control stays when driving ends. Another screen can only end a motion that is led.
     await driver.getByRole('button', { name: 'End driving' }).click();
-    await other.getByRole('button', { name: 'Steuerung übernehmen und fahren' }).waitFor();
+    await other.getByRole('button', { name: 'Fahren starten' }).waitFor();
+    await expect.poll(() => driver.locator('.pad-text').textContent(), { timeout: 10_000 }).toBe('Start driving first');
     const holder = fake.lease.holder;
     fake.refuse('lease_ask', 'core_gone');
     await press();
@@ -76,7 +77,7 @@ it(
   'stays with the screen in control, and so does its task, when a start on another screen is cancelled',
   async () => {
     const driver = await open([1024, 768], 'en');
-    await driver.getByRole('button', { name: 'Take control and drive' }).click();
+    await driver.getByRole('button', { name: 'Start driving' }).click();
     await driver.locator('.pad.active').waitFor();
     await driver.getByRole('button', { name: 'End driving' }).click();
     await driver.evaluate(() => fetch('/api/v1/task', { method: 'PUT', body: '{"task":"straight"}' }));

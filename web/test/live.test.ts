@@ -54,6 +54,19 @@ describe('Live', () => {
     expect(there.motion_s).toBeCloseTo(89.99, 6);
   });
 
+  // The hoist's own count begins anew only with the next start.
+  it('shows nothing of the walk before once the server tells of another patient', () => {
+    const live = new Live();
+    live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));
+    const steps = [1, 2, 3].map((tick) => record({ tick, time_ns: tick * 1e7, fused_x_m: tick, distance_m: tick, mode: user }));
+    take(live, steps);
+    expect(live.walked_m(steps[2]!)).toBe(3);
+    live.takeWalk(walk({ tick: 3, motion_s: 0, mark: { ...mark, x_m: 3 }, x_m: [3], y_m: [0] }));
+    expect(live.path.x).toEqual([3]);
+    expect(live.walked_m(steps[2]!)).toBe(0);
+    expect(new Live().walked_m(steps[2]!), 'how long it has walked is not known').toBe(3);
+  });
+
   it('restarts at the start mark of the server, not by itself', () => {
     const live = new Live();
     live.takeWalk(walk({ tick: 0, motion_s: 0, mark, x_m: [0], y_m: [0] }));

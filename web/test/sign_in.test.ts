@@ -58,6 +58,19 @@ describe('signing in', { timeout: minutes_ms }, () => {
     await page.locator('.mode-standby').waitFor();
   });
 
+  it('after a wrong PIN says what is wrong, and the password form has the name', async () => {
+    await open({ signedIn: false });
+    await button('Anna Berg').click();
+    await field(en['signin.pin']).fill('4711');
+    await button(en['signin.do']).click();
+    await page.locator('.form-error', { hasText: 'PIN' }).waitFor();
+    await button(en['signin.byPassword']).click();
+    expect(await field(en['signin.name']).inputValue()).toBe('berg');
+    await field(en['signin.password']).fill('berg and valley 1');
+    await button(en['signin.do']).click();
+    await page.locator('.mode-standby').waitFor();
+  });
+
   it('shows STOP on a device that was ever signed in, and on no other', async () => {
     await open({ signedIn: false });
     await page.locator('.sign-in-people').waitFor();
@@ -69,20 +82,33 @@ describe('signing in', { timeout: minutes_ms }, () => {
     await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
   });
 
-  it('is asked for again after signing out; the page keeps STOP and says what happened', async () => {
+  it('is asked for again after signing out at standstill, without an alarm; STOP stays', async () => {
     await open();
     await page.locator('.mode-standby').waitFor();
     await page.goto(`${fake.url}#/settings/me`);
     await button(en['signin.out']).click();
     await page.locator('.sign-in-people').waitFor();
     expect(await page.locator('.settings').count(), 'nothing of the screen stays').toBe(0);
-    await page.getByText(en['strip.signedOut']).waitFor();
+    await page.waitForTimeout(1500); // as long as an alarm about old values needs
+    expect(await page.getByRole('alert').count()).toBe(0);
     await stop().dispatchEvent('pointerdown');
     await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
     await button('Miha Kos').click();
     await field(en['signin.pin']).fill('1234');
     await button(en['signin.do']).click();
     await page.locator('.settings').waitFor();
+  });
+
+  it('signing out in the middle of a walk alarms, and STOP stays', async () => {
+    await open();
+    await page.goto(`${fake.url}#/walk`);
+    await button(en['walk.start']).click();
+    await page.locator('.mode-user').waitFor();
+    await page.goto(`${fake.url}#/settings/me`);
+    await button(en['signin.out']).click();
+    await page.getByRole('alert').getByText(en['strip.signedOut']).waitFor();
+    await stop().dispatchEvent('pointerdown');
+    await expect.poll(() => fake.hoist.mode, { timeout: 10_000 }).toBe('protective_stop');
   });
 });
 
@@ -100,6 +126,18 @@ describe('the first set-up', { timeout: minutes_ms }, () => {
     await page.getByText(en['setup.off']).waitFor();
     await fill('12345678');
     expect(await button(en['setup.do']).isDisabled()).toBe(true);
+  });
+
+  it('leaves the way to the accounts that exist before an engineer has one, and back', async () => {
+    await open({ signedIn: false, set_up: { needed: true, switch_on: false, seconds_left: 0 } });
+    await button(en['signin.do']).click();
+    await button(en['setup.title']).click();
+    await field(en['setup.codeField']).waitFor();
+    await button(en['signin.do']).click();
+    await button('Anna Berg').click();
+    await field(en['signin.pin']).fill('1234');
+    await page.keyboard.press('Enter');
+    await page.locator('.mode-standby').waitFor();
   });
 
   it('refuses a wrong code and keeps what was typed; the right one makes the account and signs in', async () => {

@@ -72,7 +72,6 @@ let link: Link;
 let states: LinkState[];
 let texts: { type: string }[];
 let refusedCount: number;
-let rtt: (number | null)[];
 const last = () => world.sockets.at(-1)!;
 const open = () => {
   last().onopen?.({});
@@ -83,13 +82,11 @@ beforeEach(() => {
   world = new World();
   states = [];
   texts = [];
-  rtt = [];
   refusedCount = 0;
   link = new Link(world.host, {
     state: (state) => states.push(state),
     text: (message) => texts.push(message),
     binary: () => {},
-    rtt: (value) => rtt.push(value),
     refused: () => refusedCount++,
   });
 });
@@ -151,15 +148,35 @@ describe('reconnecting', () => {
     expect(texts).toHaveLength(before);
   });
 
-  it('stays open while anything is heard', () => {
-    link.start();
-    open();
-    for (let i = 0; i < 50; i++) {
+  /** Telemetry comes 5 times a second, and pings are answered, or not. */
+  const listen = (for_ms: number, answered: boolean) => {
+    for (const end = world.now + for_ms; world.now < end;) {
+      const { sent } = last();
+      const before = sent.length;
       world.advance(200);
       last().onmessage?.({ data: new ArrayBuffer(16) });
+      if (answered) for (const { type, t } of sent.slice(before)) if (type === 'ping') last().say({ type: 'pong', t });
     }
+  };
+
+  it('stays open while it is heard and answers', () => {
+    link.start();
+    open();
+    listen(10_000, true);
     expect(states).toEqual(['open']);
     expect(world.sockets).toHaveLength(1);
+  });
+
+  it('gives up a connection that is heard but does not answer, and says until then how long', () => {
+    link.start();
+    open();
+    listen(5000, true);
+    expect(link.rtt_s).toBe(0);
+    listen(2000, false);
+    expect(link.rtt_s).toBeCloseTo(1, 3);
+    expect(states).toEqual(['open']);
+    listen(silence_ms, false);
+    expect(states.slice(0, 2)).toEqual(['open', 'lost']);
   });
 
   it('gives up a connection that never opens', () => {
@@ -293,6 +310,10 @@ describe('requests', () => {
     const ping = last().sent.find((message) => message.type === 'ping')!;
     world.now += 37;
     last().say({ type: 'pong', t: ping.t });
-    expect(rtt.at(-1)).toBeCloseTo(0.037, 9);
+    expect(link.rtt_s).toBeCloseTo(0.037, 9);
+    world.now += 200;
+    expect(link.rtt_s).toBeCloseTo(0.037, 9);
+    last().onclose?.({ code: 1006, reason: '' });
+    expect(link.rtt_s).toBeNull();
   });
 });

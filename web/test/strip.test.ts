@@ -1,7 +1,9 @@
 import { describe, expect, it } from 'vitest';
 import { speedCauses } from '../src/contract/faults.gen';
 import { causeReader, slowerBecause } from '../src/link/speed_cause';
+import { en } from '../src/text/en';
 import { storageAlarms } from '../src/ui/strip';
+import { eachPage, minutes_ms } from '../test-support/browser';
 
 const notice = (name: string, priority: 'low' | 'medium') => ({
   name,
@@ -38,5 +40,22 @@ describe('the strip', () => {
     expect(read({ tick: 1101, speed_cause: 0 })).toBe(0);
     expect(read({ tick: 1102, speed_cause: 6 })).toBe(6);
     expect(read({ tick: 3, speed_cause: 0 })).toBe(0); // another core
+  });
+});
+
+describe('a lost connection', { timeout: minutes_ms }, () => {
+  const start = eachPage(1024, 768);
+  it('shows since when there is no answer, and is read aloud once', async () => {
+    const { fake, page } = await start();
+    await page.goto(fake.url);
+    await page.locator('.mode-standby').waitFor();
+    await fake.close();
+    const alert = page.getByRole('alert');
+    for (const s of [2, 3]) {
+      await alert.getByText(en['strip.noData'].replace('{s}', String(s))).waitFor();
+      const spoken = await alert.ariaSnapshot();
+      expect(spoken).toContain(en['strip.lost']);
+      expect(spoken).not.toContain(en['strip.noData'].slice(0, 9));
+    }
   });
 });

@@ -13,7 +13,7 @@ import { settings } from '../src/text/settings';
 import { rehearse } from '../src/text/rehearse';
 import { study } from '../src/text/study';
 import { tasks } from '../src/text/tasks';
-import { date, degrees, duration, fixed, plain, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
+import { date, degrees, duration, fixed, plain, quantity, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
 
 beforeEach(() => settings.set({ language: 'en' }));
 
@@ -133,6 +133,7 @@ describe('numbers', () => {
 
   it('stand apart from their unit, except from degrees', () => {
     expect(['°', '°/s', 'm', ''].map((unit) => withUnit('3', unit))).toEqual(['3°', '3 °/s', '3 m', '3']);
+    expect(quantity(null, 1, 'cm')).toBe('–');
   });
 
   it('are read as people type them', () => {
@@ -141,6 +142,14 @@ describe('numbers', () => {
     expect(readNumber('−3')).toBe(-3);
     expect(readNumber('.5')).toBe(0.5);
     expect(readNumber('1e-3')).toBe(0.001);
+    for (const [language, thousands, clear] of [
+      ['de', '1.000 −12.345 999.500', { '1,000': 1, '0.125': 0.125, '1000.125': 1000.125, '1.0000': 1, '1.5': 1.5 }],
+      ['en', '1,000 -12,345 999,500', { '1.000': 1, '0,125': 0.125, '1000,125': 1000.125, '1,0000': 1, '1,5': 1.5 }],
+    ] as const) {
+      settings.set({ language });
+      for (const text of thousands.split(' ')) expect(readNumber(text), text).toBeNaN();
+      for (const [text, number] of Object.entries(clear)) expect(readNumber(text), text).toBe(number);
+    }
     for (const text of ['', 'abc', '1,2,3', '1 2', '0x10', 'Infinity', 'NaN', '--1', '.']) expect(readNumber(text), text).toBeNaN();
   });
 

@@ -13,13 +13,14 @@ const item = (session: number, C: number | null, exercise: TrendItem['exercise']
   started_utc_ms: session,
   exercise,
   task: null,
+  ends: null,
   line: null,
   figures: { C } as TrendItem['figures'],
   reasons: {},
   reason_code: C === null ? 'too_short' : null,
 });
 // Newest first, as the server gives them.
-const of = (exercise: TrendItem['exercise'], task: string | null = null) => walkedKey({ exercise, task });
+const of = (exercise: TrendItem['exercise'], task: string | null = null, ends: TrendItem['ends'] = null) => walkedKey({ exercise, task, ends });
 const items = [item(6, 0.9), item(5, 0.8), item(4, null), item(3, 0.7, square), item(2, 0.6), item(1, 0.5)];
 
 describe('a trend', () => {
@@ -42,7 +43,8 @@ describe('a trend', () => {
   });
 
   it('tells a change of the chosen exercise and figure only', () => {
-    const change = (figure: string, exercise: TrendItem['exercise'], last: number) => ({ figure, exercise, task: null, last }) as TrendChange;
+    const change = (figure: string, exercise: TrendItem['exercise'], last: number) =>
+      ({ figure, exercise, task: null, ends: null, last }) as TrendChange;
     const changes = [change('C', eight, 1), change('C', square, 2), change('J_N', eight, 3)];
     expect(changeOf(changes, of(square), 'C')?.last).toBe(2);
     expect(changeOf(changes, of(eight), 'J_N')?.last).toBe(3);
@@ -60,12 +62,38 @@ describe('a trend', () => {
 
   it('names what is compared so that no two read the same', () => {
     settings.set({ language: 'en' });
-    const text = (exercise: TrendItem['exercise']) => walkedText({ exercise, task: null, line: null }, (task) => task).replaceAll('\u00a0', ' ');
+    const text = (exercise: TrendItem['exercise']) =>
+      walkedText({ exercise, task: null, ends: null, line: null }, (task) => task).replaceAll('\u00a0', ' ');
     expect(text(square)).toBe('Square, 3.2 m, left');
     expect(text({ ...square, side_m: 3.25, clockwise: true })).toBe('Square, 3.25 m, right');
     // Its first loop is the right one.
     expect([text(eight), text({ ...eight, clockwise: true })]).toEqual(['Figure of eight, 1 m, 0.8 m, right', 'Figure of eight, 1 m, 0.8 m, left']);
     expect([text({ shape: 'straight', length_m: 10 }), text(null)]).toEqual(['Straight, 10 m', 'Free']);
+  });
+
+  it('keeps goals of one task apart, and tells each in both languages', () => {
+    const to = (by: 'time' | 'back' | 'distance' | 'hand', goal: number) => ({ by, goal, edge_m: 0 });
+    const walked = (by: 'time' | 'back' | 'distance' | 'hand', goal: number, exercise: TrendItem['exercise'] = null): TrendItem => ({
+      ...item(1, goal, exercise),
+      task: 'a task',
+      ends: to(by, goal),
+    });
+    const both = [walked('time', 360), walked('time', 120)];
+    const short = of(null, 'a task', to('time', 120));
+    expect([...walkedOf(both).keys()]).toEqual([of(null, 'a task', to('time', 360)), short]);
+    expect(pointsOf(both, short, 'C').map(({ value }) => value)).toEqual([120]);
+    const changes = both.map(({ exercise, task, ends }, last) => ({ figure: 'C', exercise, task, ends, last }) as TrendChange);
+    expect(changeOf(changes, short, 'C')?.last).toBe(1);
+    const texts = (...items: TrendItem[]) => items.map((one) => walkedText(one, (task) => task).replaceAll('\u00a0', ' '));
+    settings.set({ language: 'en' });
+    expect(texts(...both)).toEqual(['a task, 6:00 min', 'a task, 2:00 min']);
+    expect(texts(walked('back', 3), walked('back', 3.5))).toEqual(['a task, 3 m', 'a task, 3.5 m']);
+    expect(texts(walked('distance', 1, square), walked('distance', 3, square))).toEqual(['a task, 3.2 m, left', 'a task, 3.2 m, left, 3 laps']);
+    expect(texts(walked('hand', 0))).toEqual(['a task']);
+    const own = { shape: 'own', closed: true, x_m: [0, 4, 4], y_m: [0, 0, 4] } as const;
+    settings.set({ language: 'de' });
+    expect(texts(walked('back', 3.5), walked('distance', 3, own))[0]).toBe('a task, 3,5 m');
+    expect(texts(walked('distance', 3, own))[0]).toMatch(/ m, 3 Runden$/);
   });
 
   it('leaves room around its values, also around a single one', () => {

@@ -28,7 +28,7 @@ describe('Drive', { timeout: minutes_ms }, () => {
     await open('drive');
     await page.evaluate((body) => fetch('/api/v1/task', { method: 'PUT', body }), JSON.stringify({ task }));
     if (task !== null) await page.locator('.task-strip').waitFor();
-    await button(en['drive.take']).click();
+    await button(en['drive.start']).click();
     await page.locator('.mode-remote').waitFor();
     expect(starts().map((one) => one.exercise)).toEqual([exercise]);
   });

@@ -18,6 +18,14 @@ inline constexpr double kDriven_m_s = 0.05;
 /// current sensor may be off by 0.6 A before its self-test fails (firmware/nodes/drive).
 inline constexpr double kDriven_a = 1.0;
 
+/// The same as a mean over kFed_s, of a wheel that turns: a body that pushes nearly as hard as the brake holds leaves the motor little to do, and
+/// 0.3 A are 10 N at the wheel. Half of what a sensor may be off at its self-test, which then takes it off; a mean leaves little of its noise.
+inline constexpr double kFed_a = 0.3, kFed_s = 0.1;
+
+/// A motor whose current opposes the motion by more than this brakes harder than the holding brake would: 8.0 N m through gear 30 at
+/// 0.115 N m/A are 2.3 A.
+inline constexpr double kBrakes_a = 3.0;
+
 /// A wheel generates 0.115 V s/rad through gear 30 on 0.10 m. Less 7 % for wheel, motor and readings; full duty turns it at 0.86 of the supply.
 inline constexpr double kGenerates_v_s_m = 34.5, kFeedsFrom_norm = 0.93;
 
@@ -30,16 +38,45 @@ inline constexpr double kGenerates_v_s_m = 34.5, kFeedsFrom_norm = 0.93;
          along_a > threshold<kFault, "driven_current">(kDriven_a);
 }
 
-/// A current through a bridge that is off: shorted transistors. A wheel that something pushes faster than about 0.7 m/s generates more than the
-/// supply and feeds it through the diodes, against its motion: that is none. A slower wheel does not excuse a current of either sign, since its
-/// encoder may have failed or count backwards.
+/// A wheel that something pushes faster generates more than the supply and feeds it through the diodes of a bridge that is off.
+[[nodiscard]] inline double feeds_from_m_s(const DriveSensor& drive) noexcept {
+  return std::fmax(kDriven_m_s, drive.supply_known() ? kFeedsFrom_norm * drive.supply_v() / kGenerates_v_s_m : 0.0);
+}
+
+/// A current through a bridge that is off: shorted transistors. One that feeds the supply is none: the wheel is pushed, and the current opposes its
+/// motion. A slower wheel does not excuse a current of either sign, since its encoder may have failed or count backwards.
 [[nodiscard]] inline bool stray_current(const DriveSensor& drive, double wheel_m_s) noexcept {
   constexpr contract::Fault kFault = contract::Fault::overspeed;
   if (drive.fresh().lost() || drive.works()) return false;
-  const double supply_m_s = drive.supply_known() ? kFeedsFrom_norm * drive.supply_v() / kGenerates_v_s_m : 0.0;
-  const double feeds_from_m_s = std::fmax(kDriven_m_s, supply_m_s);
-  const bool feeds_back = std::fabs(wheel_m_s) > feeds_from_m_s && (drive.current_a() > 0) != (wheel_m_s > 0);
+  const bool feeds_back = std::fabs(wheel_m_s) > feeds_from_m_s(drive) && (drive.current_a() > 0) != (wheel_m_s > 0);
   return !feeds_back && std::fabs(drive.current_a()) > threshold<kFault, "stray_current">(kDriven_a);
+}
+
+/// The same for a small current that lasts, through the bridge of a wheel that turns no faster than a motor is fed to.
+class FedWheel {
+ public:
+  /// Once in every step.
+  [[nodiscard]] bool step(const DriveSensor& drive, double wheel_m_s, double dt_s) noexcept {
+    constexpr contract::Fault kFault = contract::Fault::overspeed;
+    if (drive.fresh().lost() || drive.works()) {
+      mean_a_ = 0;
+      return false;
+    }
+    // More is stray_current's. A serial line has no checksum: one damaged current must not last.
+    mean_a_ += (std::fmax(-kDriven_a, std::fmin(drive.current_a(), kDriven_a)) - mean_a_) * (dt_s / kFed_s);
+    return std::fabs(mean_a_) > threshold<kFault, "fed_current">(kFed_a) && std::fabs(wheel_m_s) > kDriven_m_s &&
+           std::fabs(wheel_m_s) <= feeds_from_m_s(drive);
+  }
+
+ private:
+  double mean_a_ = 0;
+};
+
+/// The motor of a drive that reports brakes this turning wheel harder than the holding brake would. Then a body or a hand is what turns it, and
+/// would turn it faster without the motor.
+[[nodiscard]] inline bool motor_brakes(const DriveSensor& drive, double wheel_m_s) noexcept {
+  const double against_a = wheel_m_s > 0 ? -drive.current_a() : drive.current_a();
+  return drive.works() && against_a > kBrakes_a;
 }
 
 }  // namespace hoist::core

@@ -10,7 +10,7 @@
 // then may last kThrown_s longer, which is how long the swing of a heavy body stays out there. Where it speeds up, a body that falls back
 // would not even be braked for: there the quick lean must go kThrownBack_rad farther. Less than kOwnChange_m_s since the change began throws no
 // body; the end of each creeping motion is that. In a protective stop only the resting rule is left, kThrown_s longer: the servo holds already,
-// but the alarm says what has happened, and its release waits until the patient stands.
+// but the alarm says what has happened, and its release waits until the patient stands. Angles that no longer come tell nothing of the patient.
 //
 // On standby straps are fastened and struts moved by hand, so a lean alone is no fall. But a body in the stops pushes the hoist with more than its
 // brakes hold: 79 kg rolled it to 0.5 m/s within 6 s, 96 kg to 1.3 (simulated; brakes 178 N). A resting lean on wheels that turn faster than
@@ -45,17 +45,21 @@ class FallDetected {
     resting_s_ = beyond(threshold<kFault, "static_tilt">(view.params.fall_static_tilt_rad)) ? resting_s_ + view.dt_s : 0;
     if (resting_s_ == 0) thrown_out_ = false;
     note_own_acceleration(view);
-    if (view.mode == contract::Mode::protective_stop) {
+    const bool stopped = view.mode == contract::Mode::protective_stop;
+    stopped_s_ = stopped ? stopped_s_ + view.dt_s : 0;
+    if (stopped) {
+      if (sensed.tilts_lost()) return false;
       // The body that the ramp throws comes back; one that does not has fallen. What tripped lasts until the patient stands again.
-      return (view.has(kFault) && quickly_beyond(tilt_rad)) || rests_for(view, hold<kFault, "thrown_time">(kThrown_s));
+      return (view.has(kFault) && quickly_beyond(tilt_rad)) ||
+             rests_for(view, std::min(resting_s_, stopped_s_), hold<kFault, "thrown_time">(kThrown_s));
     }
-    if (!view.moving) return rolls_unheld(view) && rests_for(view, 0);
+    if (!view.moving) return rolls_unheld(view) && rests_for(view, resting_s_, 0);
     const bool thrown_there = thrown(alpha_rad, beta_rad);
     // Thrown along the way it goes, or went until it stood: it brakes.
     const bool brakes = command_m_s_ == 0 || forward_ == (command_m_s_ > 0);
     if (thrown_there && brakes && resting_s_ > 0) thrown_out_ = true;
     const double longer_s = thrown_out_ ? hold<kFault, "thrown_time">(kThrown_s) : 0;
-    if (rests_for(view, longer_s)) return true;
+    if (rests_for(view, resting_s_, longer_s)) return true;
     if (thrown_there && brakes) return false;
     if (!quickly_beyond(thrown_there ? tilt_rad + threshold<kFault, "thrown_back">(kThrownBack_rad) : tilt_rad)) return false;
     const double alpha_rate =
@@ -81,8 +85,8 @@ class FallDetected {
   // 97 kg stopped from 0.5 m/s swing to 14 degrees and stay beyond 13 for about 0.4 s (simulated).
   static constexpr double kThrown_s = 0.5;
 
-  [[nodiscard]] bool rests_for(const MonitorView& view, double longer_s) const noexcept {
-    return resting_s_ > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2;
+  [[nodiscard]] static bool rests_for(const MonitorView& view, double resting_s, double longer_s) noexcept {
+    return resting_s > hold<kFault, "static_time">(view.params.fall_static_s) + longer_s - view.dt_s / 2;
   }
 
   [[nodiscard]] static bool rolls_unheld(const MonitorView& view) noexcept {
@@ -109,7 +113,7 @@ class FallDetected {
     return swing_ticks_ > 0 && (alpha_rad > 0) == forward_ && std::fabs(beta_rad) <= std::fabs(alpha_rad);
   }
 
-  double resting_s_ = 0, command_m_s_ = 0;
+  double resting_s_ = 0, stopped_s_ = 0, command_m_s_ = 0;
   double change_m_s_ = 0;  // of the hoist's own speed, since it changes this way
   std::uint8_t swing_ticks_ = 0;
   bool forward_ = false, thrown_out_ = false;  // thrown_out_: the resting lean is still the one that the brake began

@@ -3,7 +3,9 @@
 // Its self-test has failed, at once; its samples are invalid or its gyroscope saturated, for 50 ms. R2 within 60 ms.
 // The rates that it sends add up to more than drift_rad_max in ten seconds, which a thing that stops at 15 degrees cannot do: its gyroscope
 // has lost its zero. R2 as soon as they do. Sensors that send no rates are not judged so. A sensor that leans feels part of the hoist's turn
-// as pitch and roll; in a long bend that adds up like a lost zero, so the chassis' turn rate is taken off first.
+// as pitch and roll; in a long bend that adds up like a lost zero, so the chassis' turn rate is taken off first. A hoist that is spun faster than
+// it drives is not judged so: its angles show the pull outwards, too, and what they make of the turn is no rate. Where the
+// wheels deny the spin it is judged all the same: a gyroscope that is off in all axes would excuse itself.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -25,9 +27,12 @@ class TiltSensorFault {
     const double drift_rad = threshold<kFault, "drift">(view.params.drift_rad_max);
     const TiltSensor& chassis = view.sensed.base;
     const double turn_rad_s = chassis.rates_fresh().lost() ? 0.0 : chassis.yaw_rate_rad_s();
-    const bool left_drifts = drifts(view.sensed.left_strut, turn_rad_s, left_.drift, drift_rad, view.dt_s);
-    const bool right_drifts = drifts(view.sensed.right_strut, turn_rad_s, right_.drift, drift_rad, view.dt_s);
-    const bool base_drifts = drifts(view.sensed.base, turn_rad_s, base_.drift, drift_rad, view.dt_s);
+    // A wheel that slides, or whose drive is silent, tells of less.
+    const bool spun = std::fabs(turn_rad_s) > kSpun_rad_s &&
+                      (view.sensed.drives_lost() || std::fabs(view.sensed.odometry.yaw_rate_rad_s) > kSpun_rad_s / 2);
+    const bool left_drifts = drifts(view.sensed.left_strut, turn_rad_s, spun, left_.drift, drift_rad, view.dt_s);
+    const bool right_drifts = drifts(view.sensed.right_strut, turn_rad_s, spun, right_.drift, drift_rad, view.dt_s);
+    const bool base_drifts = drifts(view.sensed.base, turn_rad_s, spun, base_.drift, drift_rad, view.dt_s);
     return view.mode != contract::Mode::init && (left || right || base || left_drifts || right_drifts || base_drifts);
   }
 
@@ -43,10 +48,13 @@ class TiltSensorFault {
     Drift drift;
   };
   static constexpr double kDrift_s = 10.0;  // H8
+  // Faster than yaw_rate_rad_s_max can be set; about one wheel it pulls at a sensor 0.4 m away like a lean of 2.3 degrees.
+  static constexpr double kSpun_rad_s = 1.0;
 
   // What the rates add up to, with a memory of ten seconds.
-  [[nodiscard]] static bool drifts(const TiltSensor& tilt, double turn_rad_s, Drift& drift, double limit_rad, double dt_s) noexcept {
-    if (tilt.rates_now()) {
+  [[nodiscard]] static bool drifts(const TiltSensor& tilt, double turn_rad_s, bool spun, Drift& drift, double limit_rad,
+                                   double dt_s) noexcept {
+    if (!spun && tilt.rates_now()) {
       // The upright seen from a sensor that leans forward and right; as it sent its angles, because its mounting leans too.
       drift.pitch_rad += (tilt.pitch_rate_rad_s() - turn_rad_s * std::sin(tilt.sent_beta_rad())) * dt_s;
       drift.roll_rad += (tilt.roll_rate_rad_s() + turn_rad_s * std::sin(tilt.sent_alpha_rad())) * dt_s;

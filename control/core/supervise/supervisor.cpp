@@ -45,9 +45,9 @@ void stop_protectively(CoreState& state, FaultBits causes) noexcept {
   if ((causes & fault_bit(Fault::bumper_pressed)) != 0) state.in_mode.braking = Braking::bumper;
 }
 
-/// H22: machine faults that stopped the hoist too often put it out of service.
-void count_stop(CoreState& state) noexcept {
-  const FaultBits own = state.in_mode.causes & kCountedStops & ~contract::consequences(state.latched) & ~from_outside(state);
+/// H22: machine faults that stopped the hoist too often put it out of service. Not what one of `explaining` has brought.
+void count_stop(CoreState& state, FaultBits explaining) noexcept {
+  const FaultBits own = state.in_mode.causes & kCountedStops & ~contract::consequences(explaining) & ~from_outside(state);
   for (FaultBits bits = own; bits != 0; bits &= bits - 1) {
     state.stops_changed = true;
     if (!state.repeats.note(static_cast<std::uint8_t>(std::countr_zero(bits)), state.time_ns, state.params)) continue;
@@ -64,14 +64,16 @@ void judge_stop(CoreState& state) noexcept {
     state.stop_cause = static_cast<std::uint8_t>(static_cast<unsigned>(row.cause) + 1U);
     if (state.in_mode.causes != 0) state.in_mode.causes |= fault_bit(row.cause);
   }
-  if (state.in_mode.ticks == kJudgeTicks) count_stop(state);
+  if (state.in_mode.ticks == kJudgeTicks) count_stop(state, state.latched);
 }
 
 /// The power is gone: the controller's motion state is cleared, and driving ends.
 void stop_without_power(CoreState& state) noexcept {
   if (find_transition(state.mode, Mode::emergency_stop, Asker::hardware) == nullptr) return;
-  // What an opened chain looks like to the drives comes with it. A stop that is older had its own cause, and then a hand came.
-  if (state.mode == Mode::protective_stop && state.in_mode.ticks >= kHandTicks && state.in_mode.ticks <= kJudgeTicks) count_stop(state);
+  // What an opened chain looks like to the drives comes with it. A stop that is older had its own cause, and then a hand came; but a relay that
+  // opens without a word is found a second after what it has brought.
+  if (state.mode == Mode::protective_stop && state.in_mode.ticks >= kHandTicks && state.in_mode.ticks <= kJudgeTicks)
+    count_stop(state, state.sensed.io.emergency_stop_open() ? state.latched & ~fault_bit(Fault::emergency_stop) : state.latched);
   change_mode(state, Mode::emergency_stop);
   state.stop_cause = static_cast<std::uint8_t>(Fault::emergency_stop) + 1;
   state.acknowledgement.drop();

@@ -7,7 +7,7 @@ namespace hoist::db::figures {
 struct DeadBandShare {
   static constexpr MetricInfo kInfo{
       .key = "dead_band_norm",
-      .version = 1,
+      .version = 2,
       .unit = "1",
       .nullable = true,
       .inputs = "mode lean_norm dx_m dy_m speed_m_s parameter_version gaps parameters",

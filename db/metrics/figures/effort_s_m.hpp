@@ -7,12 +7,12 @@ namespace hoist::db::figures {
 struct Effort {
   static constexpr MetricInfo kInfo{
       .key = "effort_s_m",
-      .version = 1,
+      .version = 2,
       .unit = "s/m",
       .nullable = true,
       .inputs = "mode lean_norm dx_m dy_m speed_m_s parameter_version gaps parameters",
       .formula = "sum |lean_norm| × 10 ms / sum |v| × 10 ms, both in USER",
-      .gate = "the patient led 1 m; settings not changed meanwhile",
+      .gate = "the patient led 1 m; settings not changed since the session's begin",
       .source = "control feel",
       .doc = "Effort of a metre: lean as a share of its range, times the time it is held, per metre",
       .title_en = "Lean held per metre",

@@ -22,7 +22,7 @@ struct Interventions {
       .digits = 0,
   };
   static Figure of(const Analysis& a) {
-    return a.walk.modes.led() ? counted(a, a.walk.modes.interventions()) : no_figure(NoFigure::no_motion);
+    return a.walk.modes.led() ? counted(a, a.walk.modes.interventions()) : no_figure(NoFigure::not_led);
   }
 };
 

@@ -14,7 +14,7 @@ struct OutTime {
       .formula =
           "from the first sample in which a wheel turned to the last before the turn in which the heading is within 20 degrees of the "
           "first one",
-      .gate = kTaskGate,
+      .gate = kPhaseGate,
       .source = "after Podsiadlo & Richardson 1991, without standing up and sitting down",
       .doc = "Walk, turn, walk back: time of the way out",
       .title_en = "Time of the way out",
@@ -23,7 +23,7 @@ struct OutTime {
       .screen_unit = "s",
       .digits = 1,
   };
-  static Figure of(const Analysis& a) { return of_task(a, &TaskResult::out_s); }
+  static Figure of(const Analysis& a) { return of_task(a, &TaskResult::out_s, a.task.why_no_phases); }
 };
 
 }  // namespace hoist::db::figures

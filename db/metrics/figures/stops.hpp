@@ -21,7 +21,7 @@ struct Stops {
       .screen_unit = "",
       .digits = 0,
   };
-  static Figure of(const Analysis& a) { return a.bouts.count == 0 ? no_figure(NoFigure::no_motion) : counted(a, a.bouts.pauses); }
+  static Figure of(const Analysis& a) { return a.bouts.count == 0 ? no_figure(why_no_bout(a.walk)) : counted(a, a.bouts.pauses); }
 };
 
 }  // namespace hoist::db::figures

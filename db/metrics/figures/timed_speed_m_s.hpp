@@ -7,11 +7,13 @@ namespace hoist::db::figures {
 struct TimedSpeed {
   static constexpr MetricInfo kInfo{
       .key = "timed_speed_m_s",
-      .version = 1,
+      .version = 2,
       .unit = "m/s",
       .nullable = true,
       .inputs = "mode x_m y_m psi_rad dpsi_rad distance_m start_mark standing_still gaps exercise",
-      .formula = "the line without its edges / time from passing the first edge to passing the second, by progress along the line (D27)",
+      .formula =
+          "the line without its edges / time from passing the first edge to passing the second, by progress along the line (D27), "
+          "between two recorded steps by proportion",
       .gate = kTaskGate,
       .source = "10 m walk test: Bohannon 1997",
       .doc = "Mean speed over the timed middle of the line: setting off and stopping do not count",

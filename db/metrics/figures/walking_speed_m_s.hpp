@@ -22,7 +22,7 @@ struct WalkingSpeed {
       .digits = 2,
   };
   static Figure of(const Analysis& a) {
-    return a.bouts.count == 0 ? no_figure(NoFigure::no_motion) : figure(a.bouts.walked_m_s / static_cast<double>(a.bouts.samples));
+    return a.bouts.count == 0 ? no_figure(why_no_bout(a.walk)) : figure(a.bouts.walked_m_s / static_cast<double>(a.bouts.samples));
   }
 };
 

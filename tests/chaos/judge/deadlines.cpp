@@ -192,7 +192,7 @@ static_assert([] {
 // Brakes closed or servo holding: each wheel withstands this at the rim. Brake 8 N m, gear 0.6, rolling 0.3, on 0.10 m: 89 N. The servo's 6 A
 // give 207 N.
 constexpr double kBrake_n = 89.0, kHeld_n = 85.0;
-// A wheel that was pushed beyond its brakes rolls out: from 0.5 m/s at the brakes' 1.2 m/s2, and the drive's own ramp.
+// A wheel that was pushed beyond its brakes rolls out: from 0.5 m/s at half of the brakes' 2.2 m/s2, and the drive's own ramp.
 constexpr double kRollsOut_s = 0.5;
 constexpr int kSilent_steps = 6;  // 60 ms
 constexpr int kTold_steps = 15;   // the io node tells of the batteries every 100 ms
@@ -222,9 +222,9 @@ void Deadlines::restart() {
 }
 
 double Deadlines::rest_m_s(const Truth& truth) {
-  // A servo at zero gives way to a body that shakes the struts.
+  // A servo at zero gives way to a body that shakes the struts, and swings back.
   constexpr double kGives_m_s_n = 0.06 / 85.0;
-  return kRest_m_s + kGives_m_s_n * std::min(truth.hardest_n, kHeld_n);
+  return kRest_m_s + kGives_m_s_n * std::min(truth.shaken_n, kHeld_n);
 }
 
 bool Deadlines::silent(Node node) const { return ears_.age(node) >= kSilent_steps; }
@@ -276,12 +276,24 @@ void Deadlines::see(const Truth& truth) {
   // Of the same step the sensors may show enough as soon as it turns.
   if (steps_.back(truth.side_m, kStep_m, kHalfStride_s)) drawn_s_ = std::min(drawn_s_, steps_.took_s());
   if (wide_steps_.back(truth.side_m, kWide_m)) widely_s_ = seen_s_;
-  const double floor_rad_s = truth.yaw_rate_rad_s, wheels_rad_s = (truth.wheel_m_s[1] - truth.wheel_m_s[0]) / plant.params().track_width_m;
-  if (std::fabs(floor_rad_s - wheels_rad_s) > 0.1) slid_s_ = seen_s_;
+  // The rim of a wheel against the floor under it.
+  const double turn_m_s = truth.yaw_rate_rad_s * plant.params().track_width_m / 2.0;
+  if (std::max(std::fabs(truth.wheel_m_s[0] - truth.speed_m_s + turn_m_s), std::fabs(truth.wheel_m_s[1] - truth.speed_m_s - turn_m_s)) >
+      kRest_m_s)
+    slid_s_ = seen_s_;
   // What a push left, or the supply when it went: it falls as the brakes slow a wheel, less what still pulls at it.
   constexpr double kBrakes_m_s2 = 1.2;
   const bool cut = board_.now(Kind::power_cut), goes = !std::exchange(cut_, cut) && cut;
-  const bool pulled = goes || seen_s_ - std::max({pushed_s_, touch_s_, slid_s_}) < kRollsOut_s;
+  // Between its bridge and its brake a wheel is free. A bridge that comes on opens the brake at once, and what rolls out goes on until the current
+  // has risen.
+  constexpr double kRises_s = 0.05;
+  const double brake_s = plant.params().brake_close_s + kStep_s;
+  for (const sim::Side side : {sim::Side::left, sim::Side::right}) {
+    const bool on = plant.bridge_enabled(side), was_on = std::exchange(bridge_on_[static_cast<std::size_t>(side)], on);
+    if (was_on && !on) free_until_s_ = seen_s_ + brake_s;
+    if (!was_on && on && coast_m_s_ > 0) free_until_s_ = std::max(free_until_s_, seen_s_ + kRises_s);
+  }
+  const bool pulled = goes || seen_s_ < free_until_s_ || seen_s_ - std::max({pushed_s_, touch_s_, slid_s_}) < kRollsOut_s;
   coast_m_s_ = pulled ? truth.fastest_m_s : coast_m_s_ - kStep_s * kBrakes_m_s2 * std::max(0.0, 1.0 - truth.hardest_n / kBrake_n);
 }
 

@@ -176,7 +176,8 @@ class Deadlines {
   bool hands_ = false;  // push now
   double braked_s_ = -100, pushed_s_ = -100, frozen_s_ = -100, blocked_s_ = -100, short_s_ = -100, blind_s_ = -100, touch_s_ = -100,
          leant_s_ = -100, sloped_s_ = -100, twisted_s_ = -100, slid_s_ = -100, zero_s_ = -100, wrong_s_ = -100, let_go_s_ = -100,
-         battery_wrong_s_ = -100;
+         battery_wrong_s_ = -100, free_until_s_ = -100;
+  std::array<bool, 2> bridge_on_{};
   double coast_m_s_ = 0;  // what a wheel may still turn after a push, or without supply
   bool cut_ = false;
   bool zero_off_ = false;

@@ -43,6 +43,8 @@ const Truth& TruthSampler::sample(const sim::World& world) {
   const double twist_n = (push.turn_n_m + hands.turn_n_m + edge.turn_n_m) / machine.track_width_m;
   t.push_n = {ahead_n / 2.0 - twist_n, ahead_n / 2.0 + twist_n};
   t.hardest_n = std::max(std::fabs(t.push_n[0]), std::fabs(t.push_n[1]));
+  constexpr double kFades_n_s = 300.0;
+  t.shaken_n = std::max(t.hardest_n, before.shaken_n - kFades_n_s * kStep_s);
   t.touches = plant.touches_post();
   if (begun_) {
     for (std::size_t i = 0; i < 2; ++i) t.wheel_m_s2[i] = (t.wheel_m_s[i] - before.wheel_m_s[i]) / kStep_s;

@@ -25,6 +25,7 @@ struct Truth {
   // What pushes each wheel along the floor from outside: body, stops, hands, slope, edges of the floor. Newtons, forward positive.
   std::array<double, 2> push_n{};
   double hardest_n = 0;  // of the two, without sign
+  double shaken_n{};     // the same, fading within 0.3 s
   bool touches = false;  // a post pushes at the frame
   bool on_edge = false;  // of a sill or a step
 };

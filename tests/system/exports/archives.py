@@ -140,7 +140,8 @@ class Archives(unittest.TestCase):
         self.assertEqual(figures["session"], 2)
         one = lambda table: [dict(row) for row in file.execute(f"SELECT * FROM {table} WHERE session_id = 1")]
         self.assertEqual([(e["kind"], e["name"], e["time_s"], e["value"]) for e in one("events")][0], ("parameter_changed", "lean_range_rad", 0.5, 0.125))
-        self.assertEqual([(m["tick"], round(m["time_s"], 3), m["kind"], m["text"]) for m in one("markers")], [(60, 0.6, "note", 'turned; "left", by the ramp')])
+        self.assertEqual([(m["tick"], round(m["time_s"], 3), m["kind"], m["text"]) for m in one("markers")],
+                         [(1420, 14.2, "note", "in the gap"), (60, 0.6, "note", 'turned; "left", by the ramp')])
         self.assertEqual({(g["stream"], g["from_tick"], g["to_tick"], g["reason"]) for g in one("gaps")}, {("ticks", 1400, 1499, "not_received")})
         self.assertEqual([(c["name"], c["value"], c["before"], c["unit"]) for c in one("parameter_changes")], [("lean_range_rad", 0.125, 0.25, "rad")])
         self.assertEqual({p["name"]: (p["value"], p["unit"]) for p in one("parameters")}["lean_range_rad"][1], "rad")

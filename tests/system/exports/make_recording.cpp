@@ -40,6 +40,7 @@ db::SessionId record(db::SessionWriter& writer, std::uint32_t seed, db::SessionS
   event.value = 0.125;
   event.before = 0.25;
   const bool good = fine(writer.append_events(std::span(&event, 1))) && fine(writer.append_gap("ticks", 1400, 1499, "not_received")) &&
+                    fine(writer.append_marker(1420, start.started_utc_ns + 14'200'000'000, "in the gap")) &&
                     fine(writer.append_marker(60, start.started_utc_ns + 600'000'000, "turned; \"left\", by the ramp")) &&
                     fine(writer.end(db::CloseReason::finished, start.started_utc_ns + 29'000'000'000));
   return good ? *id : 0;

@@ -43,7 +43,7 @@ def octave_reads_the_numbers_of_the_csv():
         done = subprocess.run(["octave-cli", "--norc", "--quiet", script, file], capture_output=True, text=True, timeout=120)
         check(done.returncode == 0, done.stderr)
         head, *lines = done.stdout.splitlines()
-        check(head == "P-017 rad 2", f"manifest and events: {head}")
+        check(head == "P-017 rad 3", f"manifest and events: {head}")
         names = set(samples[0]) - {"utc"}
         check({line.split(" ", 1)[0] for line in lines} == names, "one variable per live value")
         for line in lines:

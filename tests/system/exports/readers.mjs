@@ -112,8 +112,10 @@ const cases = {
     equal(topics['/tf'][5].message.transforms.length, 4, 'transforms');
     check(topics['/diagnostics'].some(({ message }) => message.status.length === 2), 'a fault is told');
     check(topics['/battery_state'].length >= 28, 'one state of the batteries each second');
-    equal(topics['/hoist/events'].length, 2, 'events');
+    equal(topics['/hoist/events'].length, 3, 'events');
     equal(topics['/hoist/events'][1].message.text, 'turned; "left", by the ramp', 'marker');
+    const inGap = Number(topics['/hoist/events'][2].time - topics['/hoist/record'][0].time) / 1e9;
+    check(Math.abs(inGap - 14.2) < 0.001, `the marker in the gap stands at ${inGap} s`);
     for (const list of Object.values(topics))
       for (let i = 1; i < list.length; i += 1) check(list[i].time >= list[i - 1].time, 'time runs forward');
     equal(reader.statistics.messageCount, BigInt(Object.values(topics).reduce((sum, list) => sum + list.length, 0)), 'statistics');

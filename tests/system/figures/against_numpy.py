@@ -74,10 +74,10 @@ class Walk:
         return f"walk {json.dumps(exercise) if exercise else 'free'}\n" + out.getvalue()
 
 
-def along(exercise, laps, random, mode=USER, cadence=70, pelvis=1.0):
+def along(exercise, laps, random, mode=USER, cadence=70, pelvis=1.0, pace_m_s=0.3):
     """Along a figure, a little beside it; the pelvis turns 0.4 s before the hoist."""
     pattern = Pattern(exercise)
-    speed = np.concatenate((np.zeros(100), ramped(laps * pattern.length / 0.3 + 2, 0.3), np.zeros(100)))
+    speed = np.concatenate((np.zeros(100), ramped(laps * pattern.length / pace_m_s + 2, pace_m_s), np.zeros(100)))
     s = np.concatenate(([0], np.cumsum(speed[:-1] * 0.01)))
     x, y, psi = np.array([pattern.pose(at) for at in s]).T
     kernel = np.hanning(121) / np.sum(np.hanning(121))  # nobody turns at once
@@ -138,7 +138,8 @@ def there_and_back(length, rate, random):
 def walks_of_tasks(random):
     changed = along(EIGHT, 1, random).of("eight", "distance", 1)
     changed.columns["version"][2000:] = 2
-    return [along(STRAIGHT, 1, random).of("walk_10m", "distance", 1, 2), along({**STRAIGHT, "length_m": 10.0}, 1, random, REMOTE).of("walk_10m", "distance", 1, 3),
+    return [along(STRAIGHT, 1, random).of("walk_10m", "distance", 1, 2),
+            along({**STRAIGHT, "length_m": 10.0}, 1, random, REMOTE, pace_m_s=0.25).of("walk_10m", "distance", 1, 3),
             there_and_back(3.2, 0.4, random).of("up_and_go", "back", 3), there_and_back(4.2, 0.6, random).of("up_and_go", "back", 4),
             there_and_back(2.8, 0.6, random).of("up_and_go", "back", 3),
             free([np.pi, np.pi], random, straight_s=14.0).of("walk_2min", "time", 40), free([], random, straight_s=70.0).of("walk_2min", "time", 60),
@@ -249,6 +250,14 @@ def tasks_have_their_true_results():
     for key in ("timed_speed_m_s", "task_time_s"):
         check(short[key] is None and short["computed"][key]["reason_code"] == "task_unfinished", f"half a 10 m walk has {key} {short[key]}")
     phases = [there[key] for key in ("out_time_s", "turning_time_s", "back_time_s")]
+    # A gap of 0.48 s over the first edge, 2 m along: the timed part takes 33 s.
+    walk = along(STRAIGHT, 1, np.random.default_rng(6)).of("walk_10m", "distance", 1, 2)
+    edge = int(np.argmax(walk.columns["x"] >= 2))
+    with tempfile.TemporaryDirectory() as folder:
+        database, (gapped,) = recorded([walk.cut(edge - 40, edge + 8)], folder)
+        mine = figures(columns_of(database, gapped["session"]), STRAIGHT, walk.task)
+    check(abs(gapped["timed_speed_m_s"] / ten["timed_speed_m_s"] - 1) < 0.003, f"with a gap {gapped['timed_speed_m_s']}")
+    check(abs(gapped["timed_speed_m_s"] - mine["timed_speed_m_s"]) < 1e-7, f"with a gap {gapped['timed_speed_m_s']}, numpy {mine['timed_speed_m_s']}")
     check(abs(sum(phases) - there["task_time_s"]) < 1e-9, "the phases are the whole")
     # The turn is counted between 20 and 160 degrees, the way back ends 0.3 m before the start.
     true = 3.2 / 0.3 + 20 * DEGREE / 0.5, 140 * DEGREE / 0.5, 20 * DEGREE / 0.5 + 2.9 / 0.3

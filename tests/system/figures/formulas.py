@@ -145,40 +145,47 @@ def task_figures(c, task, missing, progress, out):
         return
     begun, tick = moved[0], c["tick"]
     first = lambda mask: begun + np.argmax(mask[begun:]) if np.any(mask[begun:]) else None
-    between = lambda a, b: 0.01 * (tick[b] - tick[a])
+    def crossing(left):
+        """When it first falls to zero, between two recorded steps by proportion."""
+        i = first(left <= 0)
+        if i is None or i == begun:
+            return None if i is None else tick[i]
+        return c["before"][i] + (tick[i] - c["before"][i]) * left[i - 1] / (left[i - 1] - left[i])
+
     if task["ends"] == "distance":
         if progress is None:
             return
         pattern, s = progress
-        end = first(s >= task["goal"] * pattern.length - 0.02)
+        end = crossing(task["goal"] * pattern.length - 0.02 - s)
         if end is None:
             return
-        out["task_time_s"] = between(begun, end)
+        out["task_time_s"] = 0.01 * (end - tick[begun])
         if task["edge_m"] > 0:
-            a, b = first(s >= task["edge_m"]), first(s >= pattern.length - task["edge_m"])
-            out["timed_speed_m_s"] = (pattern.length - 2 * task["edge_m"]) / between(a, b)
+            a, b = crossing(task["edge_m"] - s), crossing(pattern.length - task["edge_m"] - s)
+            out["timed_speed_m_s"] = (pattern.length - 2 * task["edge_m"]) / (0.01 * (b - a))
     elif task["ends"] == "back":
         away, turned = np.hypot(c["x_m"] - c["x_m"][begun], c["y_m"] - c["y_m"][begun]), np.abs(c["psi_rad"] - c["psi_rad"][begun]) / DEGREE
         far = first(away >= task["goal"])
-        end = None if far is None else first((away <= 0.3) & (np.arange(len(away)) >= far))
+        end = None if far is None else crossing(np.where(np.arange(len(away)) < far, 1, away - 0.3))
         if end is None:
             return
-        out["task_time_s"] = between(begun, end)
-        back = first(turned >= 160)
+        out["task_time_s"] = 0.01 * (end - tick[begun])
+        back = crossing(160 - turned)
         if back is not None and back < end:
-            turn = np.flatnonzero(turned[: back + 1] <= 20)[-1]
-            out.update(out_time_s=between(begun, turn), turning_time_s=between(turn, back), back_time_s=between(back, end))
+            turn = tick[np.flatnonzero((turned <= 20) & (tick < back))[-1]]
+            out.update(out_time_s=0.01 * (turn - tick[begun]), turning_time_s=0.01 * (back - turn), back_time_s=0.01 * (end - back))
     elif task["ends"] == "turn":
-        end = first(np.abs(c["psi_rad"] - c["psi_rad"][begun]) >= task["goal"])
-        out["task_time_s"] = None if end is None else between(begun, end)
+        end = crossing(task["goal"] - np.abs(c["psi_rad"] - c["psi_rad"][begun]))
+        out["task_time_s"] = None if end is None else 0.01 * (end - tick[begun])
     elif task["ends"] == "time":
         end = first(0.01 * (tick - tick[begun]) >= task["goal"])
         out["task_distance_m"] = None if end is None else 0.01 * np.sum(np.abs(c["speed_m_s"][begun:end]))
 
 
-def lead_figures(c, bouts, missing, out):
+def lead_figures(c, version, bouts, missing, out):
+    """version: of the settings at the session's begin."""
     out.update(dict.fromkeys(("start_latency_s", "stopping_way_m", "dead_band_norm", "effort_s_m", "balance_events")))
-    if len(set(c["parameter_version"])) != 1:
+    if np.any(c["parameter_version"] != version):
         return
     lean, speed, led, tick = c["lean_norm"], c["speed_m_s"], c["mode"] == USER, c["tick"]
     if missing <= 0.5:
@@ -361,6 +368,7 @@ def turn_figures(c, missing, out):
 def figures(columns, exercise, task):
     """columns: of all recorded samples, by name without fused_."""
     moving = np.isin(columns["mode"], MOVING)
+    columns["before"] = np.concatenate((columns["tick"][:1], columns["tick"][:-1]))
     c = {name: values[moving] for name, values in columns.items()}
     holes = np.flatnonzero(np.diff(columns["tick"]) > 1)
     missing = 0.01 * sum(columns["tick"][i + 1] - columns["tick"][i] - 1 for i in holes if moving[i] or moving[i + 1])
@@ -368,7 +376,7 @@ def figures(columns, exercise, task):
     bouts = bouts_of(c)
     progress = path_figures(c, exercise, missing, out)
     task_figures(c, task, missing, progress, out)
-    lead_figures(c, bouts, missing, out)
+    lead_figures(c, columns["parameter_version"][0], bouts, missing, out)
     dose_figures(c, list(columns["mode"]), missing, bouts, out)
     stride_figures(c, bouts, out)
     smooth_figures(c, bouts, out)

@@ -373,9 +373,13 @@ class ScriptedHoist {
         if (n.sdo_aborts) {
           replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x08000022));
         } else if (f.data[0] == canopen::kSdoUploadRequest && index != 0x1018) {
-          // Unwritten objects have a value that is none of the core's.
           const contract::ObjectInfo* object =
               contract::find_object(contract::kNodes[static_cast<std::size_t>(node)].kind, index, f.data[3]);
+          if (object == nullptr) {  // asked for by a service frame
+            replies_.push_back(canopen::sdo(reply, canopen::kSdoAbort, index, f.data[3], 0x06020000));
+            return;
+          }
+          // Unwritten objects have a value that is none of the core's.
           const std::uint32_t key = (static_cast<std::uint32_t>(index) << 8) | f.data[3];
           std::uint32_t word = 0x55;
           for (const auto& [name, value] : n.words) word = name == key ? value : word;

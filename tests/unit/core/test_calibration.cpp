@@ -81,6 +81,11 @@ TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
   EXPECT_EQ(hoist.state.params.left_alpha_zero_rad, 0.0) << "not before it is used";
   EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, 0.0), refusal_bit(Refusal::out_of_range)) << "a date that means never";
   EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, std::numeric_limits<double>::quiet_NaN()), refusal_bit(Refusal::out_of_range));
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = 0.2;  // pushed
+  hoist.step(5);
+  EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), refusal_bit(Refusal::moving));
+  hoist.drive_left.forced_m_s = hoist.drive_right.forced_m_s = NAN;
+  hoist.step(50);
   const auto version = hoist.state.parameter_version;
   EXPECT_EQ(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U);
   EXPECT_TRUE(hoist.out.params_changed);

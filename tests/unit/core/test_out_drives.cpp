@@ -45,13 +45,32 @@ struct Drive {
   }
 };
 
+// Faster than this it feeds the supply.
+double generates_from_m_s(const Drive& drive) { return std::max(0.05, 0.93 * drive.supply_v / 34.5); }
+
 // estimate/driven_wheel.hpp: fed along its motion beyond what it was told, or fed through a bridge that is off.
 bool fed(const Drive& drive, double wheel_m_s, double should_m_s) {
   if (drive.lost()) return false;
   const double along_a = wheel_m_s > 0 ? drive.current_a() : -drive.current_a();
   if (std::fabs(wheel_m_s) > std::fabs(should_m_s) + 0.05 && along_a > 1) return true;
-  const bool generates = std::fabs(wheel_m_s) > std::max(0.05, 0.93 * drive.supply_v / 34.5) && along_a <= 0;
+  const bool generates = std::fabs(wheel_m_s) > generates_from_m_s(drive) && along_a <= 0;
   return !drive.bridge_works() && !generates && std::fabs(drive.current_a()) > 1;
+}
+
+// In a protective stop 0.3 A are enough as a mean over 0.1 s of currents of 1 A at most, of a wheel that turns, and no faster than a motor could.
+struct FedSlowly {
+  double mean_a = 0;
+
+  bool step(const Drive& drive, double wheel_m_s, int dt_ms) {
+    const bool off = !drive.lost() && !drive.bridge_works();
+    mean_a = off ? mean_a + (std::clamp(drive.current_a(), -1.0, 1.0) - mean_a) * dt_ms / 100 : 0;
+    return off && std::fabs(wheel_m_s) > 0.05 && std::fabs(wheel_m_s) <= generates_from_m_s(drive) && std::fabs(mean_a) > 0.3;
+  }
+};
+
+// More than 3 A against the motion: harder than the holding brake, 8 N m of 30 * 0.115 N m/A.
+bool brakes(const Drive& drive, double wheel_m_s) {
+  return !drive.lost() && drive.bridge_works() && drive.current_a() * (wheel_m_s > 0 ? -1 : 1) > 3;
 }
 
 // How long something has been faster than it was told and has not slowed down: by less than a fifth of the brake's 1.2 m/s2 in 0.3 s.
@@ -59,9 +78,9 @@ struct Unslowed {
   double from = 0;
   int ms = 0;
 
-  void step(bool known, double now, double should, double beside, double slowing, int dt_ms) {
+  void step(bool counts, double now, double should, double beside, double slowing, int dt_ms) {
     const double fast = std::fabs(now);
-    const bool good = !known || fast <= std::fabs(should) + beside || from - fast > slowing;
+    const bool good = !counts || fast <= std::fabs(should) + beside || from - fast > slowing;
     from = good ? fast : std::max(from, fast);
     ms = good ? 0 : ms + dt_ms;
   }
@@ -78,6 +97,7 @@ struct RunawayRule {
   int driven_ms = 0, stands_steps = 0;
   bool stood = false;
   Unslowed left, right, turn;
+  FedSlowly left_fed, right_fed;
 
   bool step(Mode mode, bool moving, const Seen& seen, double told_left_m_s, double told_right_m_s, double track_m, int dt_ms) {
     // A drive follows with a lag of 0.1 s.
@@ -85,12 +105,15 @@ struct RunawayRule {
     right_m_s += (told_right_m_s - right_m_s) * dt_ms / 100;
     const bool stops = mode == Mode::protective_stop;
     if (!stops) stood = false, stands_steps = 0;
+    const bool left_driven = left_fed.step(seen.left, seen.left_m_s, dt_ms),
+               right_driven = right_fed.step(seen.right, seen.right_m_s, dt_ms);
     if (moving) {
       driven_ms = 0;
       left = right = turn = {};
       return false;
     }
-    const bool driven = fed(seen.left, seen.left_m_s, left_m_s) || fed(seen.right, seen.right_m_s, right_m_s);
+    const bool driven =
+        (stops && (left_driven || right_driven)) || fed(seen.left, seen.left_m_s, left_m_s) || fed(seen.right, seen.right_m_s, right_m_s);
     driven_ms = std::max(0, driven_ms + (driven ? dt_ms : -dt_ms));
     if (stops && !stood) {
       // The first standstill: ten steps of all that reports, and at least two of the three do.
@@ -103,8 +126,8 @@ struct RunawayRule {
     if (!stops || stood) {
       left = right = turn = {};
     } else {
-      left.step(!seen.left.lost(), seen.left_m_s, left_m_s, 0.15, 0.072, dt_ms);
-      right.step(!seen.right.lost(), seen.right_m_s, right_m_s, 0.15, 0.072, dt_ms);
+      left.step(!seen.left.lost() && !brakes(seen.left, seen.left_m_s), seen.left_m_s, left_m_s, 0.15, 0.072, dt_ms);
+      right.step(!seen.right.lost() && !brakes(seen.right, seen.right_m_s), seen.right_m_s, right_m_s, 0.15, 0.072, dt_ms);
       turn.step((seen.left.lost() || seen.right.lost()) && !seen.rates_lost, seen.turn_rad_s, (right_m_s - left_m_s) / track_m, 0.25,
                 0.072 / 0.35, dt_ms);
     }
@@ -142,7 +165,7 @@ TEST(OutRunaway, H1AStopThatDoesNotStopIsSeenAfter300MsOfAnyOfItsThreeSigns) {
     double told_left_m_s = 0, told_right_m_s = 0;
     const auto drive = [&](Drive& what) {
       what.status = one_of(std::array<std::uint16_t, 8>{0x27, 0x27, 0x27, 0x40, 0x08, 0x07, 0x0F, 0x21});
-      what.current_raw = one_of(std::array{0, 100, -100, 166, -166, 168, -168, 450, -450});
+      what.current_raw = one_of(std::array{0, 49, -51, 100, -100, 166, -166, 168, -168, 499, -499, 501, -501});
       what.supply_v = one_of(std::array{0.0, 13.0, 20.0, 25.0});
       what.age_steps = one_of(std::array{0, 0, 0, 4, 5, 9});
     };

@@ -146,17 +146,21 @@ TEST(OutputRules, H22StopsAreCountedByFaultWithinTheWindow) {
 // What the core has measured, and whether that is a hoist on live drives that moves.
 struct Measured {
   Estimate sensed;
-  bool moves = false;
+  bool gyroscope_sound = true, moves = false;
 };
 
-// H2: 0.05 m/s at a wheel that reports, or 4 degrees a second of a chassis that does.
+// H2: 0.05 m/s at a wheel that reports, or 4 degrees a second of a chassis that does. A wheel whose motor brakes it with more than 3 A, harder than
+// its holding brake could, does not count, nor does one whose drive is off or silent; nor does the turn then, nor that of a gyroscope that has an
+// alarm.
 std::vector<Measured> all_measured(bool moves) {
   std::vector<Measured> all;
+  int cases = 0;
   constexpr std::array kWheels_m_s{0.0, 0.049, -0.049, 0.051, -0.051, 0.2};
   struct Hardware {
     bool left_off = false, right_off = false, left_silent = false, right_silent = false, rates_silent = false;
+    double left_a = 0, right_a = 0;
   };
-  constexpr std::array<Hardware, 10> kHardware{{{},
+  constexpr std::array<Hardware, 15> kHardware{{{},
                                                 {.left_off = true},
                                                 {.right_off = true},
                                                 {.left_off = true, .right_off = true},
@@ -165,7 +169,12 @@ std::vector<Measured> all_measured(bool moves) {
                                                 {.left_silent = true, .right_silent = true},
                                                 {.rates_silent = true},
                                                 {.left_silent = true, .rates_silent = true},
-                                                {.right_off = true, .rates_silent = true}}};
+                                                {.right_off = true, .rates_silent = true},
+                                                {.left_a = -3.1},
+                                                {.left_off = true, .left_a = -3.1},
+                                                {.right_a = 3.1},
+                                                {.left_a = 2.9, .right_a = -2.9},
+                                                {.left_a = 3.1, .right_a = -3.1}}};
   for (const Hardware& hardware : kHardware) {
     for (const double turn_deg_s : {0.0, 3.9, -3.9, 4.15, -4.15, 30.0}) {
       ScriptedHoist hoist;
@@ -174,19 +183,26 @@ std::vector<Measured> all_measured(bool moves) {
       hoist.step(3);
       hoist.drive_left.fault = hardware.left_off;
       hoist.drive_right.fault = hardware.right_off;
+      hoist.drive_left.current_a = hardware.left_a;
+      hoist.drive_right.current_a = hardware.right_a;
       hoist.drive_left.silent = hardware.left_silent;
       hoist.drive_right.silent = hardware.right_silent;
       hoist.tilt_base.rates_silent = hardware.rates_silent;
       hoist.step(20);
       const bool live = !(hardware.left_off || hardware.left_silent) || !(hardware.right_off || hardware.right_silent);
-      const bool wheels_known = !hardware.left_silent && !hardware.right_silent;
       for (const double left_m_s : kWheels_m_s) {
         for (const double right_m_s : kWheels_m_s) {
           Measured one{hoist.state.sensed};
           one.sensed.odometry.wheel_left_m_s = left_m_s;
           one.sensed.odometry.wheel_right_m_s = right_m_s;
-          const bool rolls = wheels_known && (std::fabs(left_m_s) > 0.05 || std::fabs(right_m_s) > 0.05);
-          const bool turns = !hardware.rates_silent && std::fabs(turn_deg_s) > 4;
+          const auto pushed = [](double wheel_m_s, double current_a, bool off) {
+            return std::fabs(wheel_m_s) > 0.05 && (off || (std::fabs(current_a) > 3 && wheel_m_s * current_a < 0));
+          };
+          const bool left_pushed = hardware.left_silent || pushed(left_m_s, hardware.left_a, hardware.left_off),
+                     right_pushed = hardware.right_silent || pushed(right_m_s, hardware.right_a, hardware.right_off);
+          const bool rolls = (std::fabs(left_m_s) > 0.05 && !left_pushed) || (std::fabs(right_m_s) > 0.05 && !right_pushed);
+          one.gyroscope_sound = ++cases % 5 != 0;
+          const bool turns = !hardware.rates_silent && one.gyroscope_sound && std::fabs(turn_deg_s) > 4 && !left_pushed && !right_pushed;
           one.moves = live && (rolls || turns);
           if (one.moves == moves) all.push_back(one);
         }
@@ -228,7 +244,9 @@ TEST(OutputRules, H2AHoistThatMovesOnAfterItsStopIsLetGo) {
       moves_ms = moves ? moves_ms + 10 : 0;
       const bool now = !cut && stands_ms >= 1000 && moves_ms >= 300;
       cut = cut || now;
-      ASSERT_EQ(watch.step(limiter, all[random() % all.size()].sensed), now) << i << ": " << stands_ms << " ms, " << moves_ms << " ms";
+      const Measured& measured = all[random() % all.size()];
+      ASSERT_EQ(watch.step(limiter, measured.sensed, measured.gyroscope_sound), now)
+          << i << ": " << stands_ms << " ms, " << moves_ms << " ms";
       ASSERT_EQ(watch.cut(), cut) << i;
     }
     ++(cut ? cuts : held);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "control/core/serve/param_keeper.hpp"
@@ -468,8 +469,12 @@ TEST(TrialOfSettings, ASecondTrialGoesBackToBeforeTheFirstAndWhatIsMeantStays) {
 TEST(TrialOfSettings, IsOnlyForWhatMayChangeWhileMovingAndForASensibleTime) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
-  EXPECT_EQ(attempt(hoist, {{ParamName::lean_range_rad, 0.12}}, 20), refusal_bit(Refusal::only_when_stopped))
-      << "it would have to go back during a walk";
+  // So none of these rows ever goes back into the room of another.
+  for (const contract::ParamRoom& room : contract::kParamRooms)
+    for (const ParamName name : {room.smaller, room.larger})
+      EXPECT_EQ(attempt(hoist, {{name, contract::get_param(hoist.state.params, contract::param_index(name))}}, 20),
+                refusal_bit(Refusal::only_when_stopped))
+          << "it would have to go back during a walk";
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 0.5), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 121), refusal_bit(Refusal::out_of_range));
   EXPECT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, -1), refusal_bit(Refusal::out_of_range));
@@ -481,7 +486,9 @@ TEST(TrialOfSettings, H27DamageEndsItWithWhatWasThereBefore) {
   for (const bool in_copy : {false, true}) {
     ScriptedHoist hoist;
     ASSERT_TRUE(hoist.start(Mode::user));
-    ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}}, 60), 0U);
+    ASSERT_EQ(attempt(hoist, {{ParamName::lean_gain_direct_units, 4}, {ParamName::drive_velocity_gain_v_s_rad, 0.15}}, 60), 0U);
+    hoist.step(2000);
+    ASSERT_EQ(hoist.drive_left.written.back().second, 0.15F) << "the drives know it";
     contract::Params& hit = in_copy ? hoist.state.seal.copy : hoist.state.params;
     hit.lean_range_rad = 0.3;
     hoist.step();
@@ -491,6 +498,9 @@ TEST(TrialOfSettings, H27DamageEndsItWithWhatWasThereBefore) {
     EXPECT_EQ(hoist.state.trial.left_s, 0);
     EXPECT_EQ(hoist.count(EventKind::parameters_reverted), 1);
     EXPECT_FALSE(hoist.state.defaults_after_damage);
+    hoist.step(50);
+    for (const FakeDrive* drive : {&hoist.drive_left, &hoist.drive_right})
+      EXPECT_EQ(drive->written.back().second, 0.12F) << "and they are told";
   }
 }
 
@@ -751,12 +761,14 @@ TEST(Neutral, H22CountsAnewAfterALoopThatWasHeld) {
 }
 
 TEST(Neutral, TooFarAwayOrNotStandingIsRefused) {
-  ScriptedHoist hoist;
-  ASSERT_TRUE(hoist.ready());
-  hoist.lean(8);  // 0.112 m
-  hoist.step(120);
-  EXPECT_EQ(hoist.ask(CommandKind::set_neutral), refusal_bit(Refusal::out_of_range));
-  EXPECT_EQ(hoist.state.params.neutral_lean_m, 0);
+  for (const auto& [lean_deg, twist_deg] : {std::pair{8.0, 0.0}, {0.0, 20.0}}) {  // 0.112 m, 0.23 rad
+    ScriptedHoist hoist;
+    ASSERT_TRUE(hoist.ready());
+    hoist.lean(lean_deg, twist_deg);
+    hoist.step(120);
+    EXPECT_EQ(hoist.ask(CommandKind::set_neutral), refusal_bit(Refusal::out_of_range));
+    EXPECT_TRUE(same(hoist.state.params, contract::Params{}));
+  }
   ScriptedHoist walking;
   ASSERT_TRUE(walking.start(Mode::user));
   EXPECT_EQ(walking.ask(CommandKind::set_neutral), refusal_bit(Refusal::only_when_stopped));

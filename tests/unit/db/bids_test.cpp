@@ -167,6 +167,11 @@ TEST_F(Bids, NamesFollowPatientDayTaskAndRun) {
   EXPECT_EQ(order_, expected);
 }
 
+TEST_F(Bids, NamesDifferInMoreThanCapitalLetters) {
+  const Files all = files_of({record("A-B", 0, kStraight), record("a.b", 0, kStraight)});
+  EXPECT_EQ(all.at("participants.tsv"), "participant_id\tcode\nsub-AB\tA-B\nsub-abx\ta.b\n");
+}
+
 TEST_F(Bids, ACodeIsNotTakenForAPatientWithoutOne) {
   const Files all = files_of({record(std::nullopt, 0, kStraight), record("unknown1", 0, kStraight)});
   EXPECT_EQ(all.at("participants.tsv"), "participant_id\tcode\nsub-unknown1\tn/a\nsub-unknown1x\tunknown1\n");

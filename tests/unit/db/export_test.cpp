@@ -601,10 +601,53 @@ TEST(Metrics, AWalkAlongAnOwnSquareHasTheFiguresOfTheSquare) {
   EXPECT_EQ(exported.at("session").at("task").at("line"), "Hall");
 }
 
-SessionMetrics metrics_of(const std::vector<TickRecord>& records) {
+// The recorder's thread reads them: one piece of a session of hours is no longer than one of minutes.
+TEST(Metrics, are_read_in_pieces_while_the_session_is_folded) {
+  Fixture f;
+  Walk walk(7);
+  constexpr std::size_t kSamples = 65'000, kPieces = 3;
+  f.record(start_of_walk(), walk.records(0, kSamples));
+  ASSERT_TRUE(f.writer.close(CloseReason::finished, kStartUtc_ns).ok());
+  auto reading = MetricsReading::open(f.database, f.id);
+  ASSERT_TRUE(reading.ok());
+  std::size_t pieces = 0;
+  for (bool more = true; more; ++pieces) {
+    more = *reading->piece(f.database);
+    ASSERT_TRUE(f.writer.fold_piece().ok());
+  }
+  EXPECT_EQ(pieces, 3 * kPieces) << "three readings";
+  const json figures = metrics_json(reading->take(), {});
+  while (*f.writer.fold_piece()) continue;
+  EXPECT_EQ(figures, *session_metrics_json(f.database, f.id));
+  EXPECT_FALSE(figures.at("walked_m").is_null());
+
+  // Exports tell the same figures, from pieces without a text of their own.
+  auto exported = SessionExport::open(f.database, f.id, {.format = ExportFormat::json, .columns = {"mode"}});
+  std::string all, piece;
+  std::size_t empty = 0;
+  while (*exported->next_chunk(piece)) {
+    empty += piece.empty() ? 1 : 0;
+    all += piece;
+  }
+  EXPECT_EQ(empty, pieces - 1) << "the last one brings the figures";
+  EXPECT_EQ(json::parse(all).at("metrics"), figures);
+
+  auto broken_off = MetricsReading::open(f.database, f.id);
+  ASSERT_TRUE(*broken_off->piece(f.database));
+  ASSERT_TRUE(SessionEditor(f.database).remove(f.id));
+  const Result<bool> rest = broken_off->piece(f.database);
+  ASSERT_FALSE(rest.ok()) << "figures of a part";
+  EXPECT_EQ(rest.error().kind, ErrorKind::not_found);
+}
+
+SessionMetrics metrics_of(const std::vector<TickRecord>& records,
+                          const char* exercise = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})") {
   Fixture f;
   SessionStart start = start_of_walk();
-  start.exercise_json = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})";
+  start.exercise_json = exercise;
+  std::vector<double> values;
+  for (const contract::ParamInfo& info : contract::kParams) values.push_back(info.default_value);
+  start.parameter_values = values;
   f.record(start, records);
   f.end();
   const Result<SessionMetrics> metrics = session_metrics(f.database, f.id);
@@ -654,6 +697,37 @@ TEST(Metrics, AShortGapAnywhereHardlyChangesTheFigures) {
   RecordProperty("largest_share_of_J", std::to_string(most_j));
   EXPECT_LE(most_c, 0.02);
   EXPECT_LE(most_j, 0.05);
+}
+
+// The timed part is two metres here, and a gap over one of its edges a tenth of its time.
+TEST(Metrics, AShortGapOverAnEdgeHardlyChangesTheTimedSpeed) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::straight(6.0), 6.3);
+  const char* const task = R"({"shape":"straight","length_m":6,"task":{"task":"walk_10m","version":1,"ends":"distance","goal":1,)"
+                           R"("edge_m":2,"repetition":1,"repetitions":3,"rest_s":60}})";
+  const SessionMetrics whole = metrics_of(walk, task);
+  ASSERT_TRUE(whole["timed_speed_m_s"].value && whole["task_time_s"].value);
+  EXPECT_NEAR(*whole["timed_speed_m_s"].value, 0.4, 0.004);
+  double most = 0, most_s = 0;
+  for (std::size_t from = 155; from + 205 < walk.size(); from += 24) {
+    std::vector<TickRecord> records = walk;
+    records.erase(records.begin() + static_cast<std::ptrdiff_t>(from), records.begin() + static_cast<std::ptrdiff_t>(from) + 49);
+    const SessionMetrics gapped = metrics_of(records, task);
+    ASSERT_TRUE(gapped["timed_speed_m_s"].value && gapped["task_time_s"].value) << from;
+    most = std::max(most, std::fabs(*gapped["timed_speed_m_s"].value / *whole["timed_speed_m_s"].value - 1));
+    most_s = std::max(most_s, std::fabs(*gapped["task_time_s"].value - *whole["task_time_s"].value));
+  }
+  RecordProperty("largest_share_of_timed_speed", std::to_string(most));
+  RecordProperty("largest_change_of_task_time_s", std::to_string(most_s));
+  EXPECT_LE(most, 0.02);
+  EXPECT_LE(most_s, 0.25) << "progress stays at the line's end";
+  // A pause before an edge is recorded: the edge is passed after it.
+  std::vector<TickRecord> paused = walk;
+  const auto edge = std::ranges::find_if(paused, [](const TickRecord& record) { return record.fused_x_m >= 2; });
+  TickRecord standing = *std::prev(edge);
+  standing.mode = static_cast<std::uint8_t>(contract::Mode::standby);
+  paused.insert(edge, 500, standing);
+  for (std::size_t i = 0; i < paused.size(); ++i) paused[i].tick = i, paused[i].time_ns = kStart_ns + i * kTick_ns;
+  EXPECT_NEAR(*metrics_of(paused, task)["timed_speed_m_s"].value, *whole["timed_speed_m_s"].value, 0.002);
 }
 
 TEST(Metrics, AWalkThatGoesOnIsComparedAndANewStartIsNot) {
@@ -771,6 +845,34 @@ TEST(Metrics, AFigureIsANumberOrAReason) {
   EXPECT_EQ(metrics_of(walk)["cadence_steps_min"].why, NoFigure::no_rhythm);
 }
 
+// The reason is the one of this walk: too slow for a bout, led by the therapist, or back without a turn.
+TEST(Metrics, AReasonIsThatOfTheWalk) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  std::vector<TickRecord> slow = walk;
+  for (TickRecord& record : slow) record.speed_m_s /= 10;
+  const SessionMetrics crept = metrics_of(slow);
+  EXPECT_GT(*crept["walked_m"].value, 1.0);
+  for (const char* key : {"walking_speed_m_s", "stops", "steps", "cadence_steps_min", "stride_time_cv_norm", "sparc", "ldlj"})
+    EXPECT_EQ(crept[key].why, NoFigure::no_bout) << key;
+  for (TickRecord& record : slow) record.standing_still = 1, record.speed_m_s = 0;
+  EXPECT_EQ(metrics_of(slow)["walking_speed_m_s"].why, NoFigure::no_motion);
+
+  std::vector<TickRecord> driven = walk;
+  for (TickRecord& record : driven)
+    if (contract::kModes[record.mode].moving) record.mode = static_cast<std::uint8_t>(contract::Mode::remote);
+  EXPECT_EQ(metrics_of(driven)["interventions"].why, NoFigure::not_led);
+
+  // There and backwards again.
+  std::vector<TickRecord> back = follow(contract::ReferencePath::straight(4.0), 4.0);
+  for (std::size_t i = back.size() - 150; i-- > 150;) back.insert(back.end() - 150, back[i]);
+  for (std::size_t i = 0; i < back.size(); ++i) back[i].tick = i, back[i].time_ns = kStart_ns + i * kTick_ns;
+  const SessionMetrics there = metrics_of(back, R"({"shape":"free","task":{"task":"up_and_go","version":1,"ends":"back","goal":3,)"
+                                                R"("edge_m":0,"repetition":1,"repetitions":3,"rest_s":60}})");
+  EXPECT_TRUE(there["task_time_s"].value);
+  for (const char* key : {"out_time_s", "turning_time_s", "back_time_s"}) EXPECT_EQ(there[key].why, NoFigure::no_turn_back) << key;
+  for (const char* key : {"timed_speed_m_s", "task_distance_m"}) EXPECT_EQ(there[key].why, NoFigure::no_task) << key;
+}
+
 // Breaks of the patient's lead and stops, from the modes alone.
 TEST(Metrics, StopsAndBreaksAreCounted) {
   using contract::Mode;
@@ -787,6 +889,26 @@ TEST(Metrics, StopsAndBreaksAreCounted) {
   EXPECT_EQ(counts({{800, Mode::protective_stop}}), std::pair(1.0, 1.0));
   EXPECT_EQ(counts({{800, Mode::standby}, {1000, Mode::user}}), std::pair(1.0, 0.0)) << "walked on";
   EXPECT_EQ(counts({{800, Mode::remote}, {1000, Mode::emergency_stop}}), std::pair(1.0, 1.0));
+}
+
+// The figures of the lead are judged by the settings of the session's begin, and standby is part of a session that is begun by hand.
+TEST(Metrics, SettingsThatChangedBeforeTheWalkAreNoticed) {
+  const std::vector<TickRecord> walk = follow(contract::ReferencePath::eight(1.0, 0.8), 12.0);
+  const auto changed_from = [&walk](std::size_t step) {
+    std::vector<TickRecord> records = walk;
+    for (std::size_t i = 0; i < records.size(); ++i) records[i].parameter_version = i < step ? 7 : 8;
+    return metrics_of(records);
+  };
+  for (const std::size_t step : {std::size_t{0}, walk.size() - 100}) {
+    const SessionMetrics same = changed_from(step);
+    EXPECT_TRUE(same["dead_band_norm"].value && same["effort_s_m"].value && same["balance_events"].value) << step;
+  }
+  for (const std::size_t step : {100U, 1000U}) {
+    const SessionMetrics changed = changed_from(step);
+    for (const char* key : {"dead_band_norm", "effort_s_m", "balance_events", "start_latency_s", "stopping_way_m"})
+      EXPECT_EQ(changed[key].why, NoFigure::settings_changed) << key << " " << step;
+    EXPECT_TRUE(changed["walked_m"].value);
+  }
 }
 
 // What was told of a recording is what it gives again; a changed number, and another recording, are noticed.

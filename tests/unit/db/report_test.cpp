@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iomanip>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <regex>
@@ -17,6 +18,7 @@
 #include "db/report/pictures.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/tasks.hpp"
+#include "db/store/visits.hpp"
 #include "db/summary/session_json.hpp"
 #include "tests/support/shell.hpp"
 #include "tests/unit/db/db_support.hpp"
@@ -292,6 +294,73 @@ TEST(Report, ProgressIsToldAgainstTheFirstWalkOfTheSameExerciseHoweverManyCameSi
   EXPECT_EQ((*trend)[1].session, 57) << "the squares between are another exercise";
   EXPECT_EQ((*trend)[48].session, 10);
   EXPECT_EQ(trend->back().session, 1);
+  EXPECT_EQ(trend->front().place, 0);
+  EXPECT_EQ((*trend)[1].place, 0) << "another visit";
+  EXPECT_EQ((*trend)[48].place, -47);
+  EXPECT_EQ(trend->back().place, -55) << "walks between the page and the first one count";
+}
+
+// One more step a minute with each walk of a visit, whether the walks between have a cadence or not.
+TEST(Report, WhatAWalkAddsIsOfAllWalksOfTheVisit) {
+  Recorded r;
+  r.walk("P-01", "");
+  r.end();
+  const ReportSession now = *read_report_session(r.database, r.sessions.front());
+  const auto cadence =
+      static_cast<std::size_t>(std::ranges::find(kMetrics, std::string_view("cadence_steps_min"), &MetricInfo::key) - kMetrics.begin());
+  for (const std::size_t valid : {10U, 5U}) {
+    std::vector<TrendEntry> entries;
+    for (std::size_t i = 0; i < 10; ++i) {
+      const auto place = static_cast<std::int64_t>(i);
+      entries.push_back(
+          {{.session = 20 - place, .visit = 1, .day = {}, .started_utc_ns = 0, .exercise_json = {}, .place = -place}, now.metrics});
+      entries.back().metrics->figures[cadence] =
+          valid == 10 || i % 2 == 0 ? figure(110.0 - static_cast<double>(i)) : no_figure(NoFigure::no_rhythm);
+    }
+    const std::vector<FigureChange> changes = changes_in(entries);
+    const auto found = std::ranges::find(changes, std::string_view("cadence_steps_min"), &FigureChange::figure);
+    ASSERT_NE(found, changes.end());
+    EXPECT_EQ(found->learning.walks, valid);
+    ASSERT_TRUE(found->learning.slope);
+    EXPECT_NEAR(found->learning.slope->middle, 1.0, 1e-9) << valid << " valid ones";
+  }
+}
+
+// A distance in 2 minutes is no progress of one in 6.
+TEST(Report, ATaskIsComparedOnlyWithTheSameGoalAndEdges) {
+  Recorded r;
+  for (const int goal_s : {360, 120, 360, 120}) {
+    std::vector<ExerciseProblem> problems;
+    const TaskChoice choice = *read_task_choice({{"task", "walk_6min"}, {"goal", goal_s}}, problems);
+    r.walk("P-01", "", false, stored_with_task(choice.exercise, task_record(choice, 1)));
+    r.end();
+  }
+  const auto compared = *report_trend(r.database, *SessionReader(r.database).get(r.sessions[3]));
+  ASSERT_EQ(compared.size(), 2U);
+  EXPECT_EQ(compared[1].session, r.sessions[1]);
+  EXPECT_NE(r.report(r.sessions[2]).find("<b>6-minute walk, 1 of 1</b>"), std::string::npos) << "the usual goal";
+  EXPECT_NE(r.report(r.sessions[3]).find("<b>6-minute walk (2:00\u00a0min), 1 of 1</b>"), std::string::npos);
+  EXPECT_NE(r.report(r.sessions[3], ReportKind::patient, Language::de).find("<b>6-Minuten-Gehtest (2:00\u00a0min), 1 von 1</b>"),
+            std::string::npos);
+
+  const std::int64_t patient = VisitReader(r.database).of_sessions(r.sessions)->begin()->second.patient_id;
+  const TrendPage all = *trend_sessions(r.database, patient, {}), newest = *trend_sessions(r.database, patient, {.limit = 1});
+  ASSERT_EQ(newest.firsts.size(), 1U);
+  EXPECT_EQ(newest.firsts[0].session, r.sessions[1]);
+  std::vector<TrendEntry> entries;
+  for (const TrendSession& session : all.items) entries.push_back(**trend_entry(r.database, session));
+  std::map<json, json> firsts;
+  for (const FigureChange& change : changes_in(entries))
+    if (change.figure == "walked_m") firsts[change_json(change)["ends"]] = change_json(change)["first_session"];
+  EXPECT_EQ(firsts, (std::map<json, json>{{{{"by", "time"}, {"goal", 120.0}, {"edge_m", 0.0}}, r.sessions[1]},
+                                          {{{"by", "time"}, {"goal", 360.0}, {"edge_m", 0.0}}, r.sessions[0]}}));
+  EXPECT_EQ(trend_item_json(entries[0])["ends"]["goal"], 120);
+
+  const auto timed_without = [](double edge_m) {
+    TaskRecord task{.task = "walk_10m", .ends = TaskEnd::distance, .goal = 1, .edge_m = edge_m};
+    return TrendSession{.day = {}, .exercise_json = stored_with_task(contract::usual_exercise(contract::ExerciseShape::straight), task)};
+  };
+  EXPECT_FALSE(comparable(timed_without(2), timed_without(1)));
 }
 
 TEST(Report, AGroupCountsValidValuesOnly) {

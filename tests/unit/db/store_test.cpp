@@ -1018,6 +1018,32 @@ TEST(Reader, pages_run_from_the_newest_to_the_oldest) {
   EXPECT_EQ(reader.list(query).error().field, "limit");
 }
 
+TEST(Reader, the_sessions_of_a_patient_are_all_of_that_patient_and_no_others) {
+  TemporaryFolder dir;
+  Database database = open_at(dir / "hoist.db");
+  SessionWriter writer = writer_of(database);
+  for (const char* code : {"P-1", "P-10", "p-1", "", "P-10", "P-1"}) {
+    SessionStart start = start_of_walk();
+    if (*code != 0) start.subject = code;
+    ASSERT_TRUE(writer.begin(start).ok());
+    ASSERT_TRUE(writer.end(CloseReason::finished, kStartUtc_ns).ok());
+  }
+  const SessionReader reader(database);
+  const SessionId first = 1;
+  const auto visit = VisitReader(database).of_sessions(std::span(&first, 1));
+  ASSERT_TRUE(visit.ok());
+  SessionQuery query{.limit = 2, .before = {}, .subject = {}, .patient = visit->at(first).patient_id};
+  std::vector<SessionId> seen;
+  do {
+    const Result<SessionPage> page = reader.list(query);
+    ASSERT_TRUE(page.ok());
+    EXPECT_EQ(page->total, 3U);
+    for (const SessionInfo& session : page->sessions) seen.push_back(session.id);
+    query.before = page->next;
+  } while (query.before);
+  EXPECT_EQ(seen, (std::vector<SessionId>{6, 3, 1}));
+}
+
 TEST(Reader, a_search_finds_part_of_a_code_in_capital_or_small_letters) {
   TemporaryFolder dir;
   Database database = open_at(dir / "hoist.db");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 #include <cstring>
 #include <optional>
 #include <random>
@@ -23,6 +24,7 @@ struct CutFlash {
   std::array<std::array<std::byte, kPageBytes>, 2> pages{};
   std::optional<std::size_t> steps_left{};
   std::size_t steps = 0;
+  std::optional<std::size_t> wrong_bit{};  // of a page: what is written turns it over
 
   CutFlash() {
     for (auto& page : pages) page.fill(std::byte{0xFF});
@@ -47,6 +49,7 @@ struct CutFlash {
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       if (!step()) return false;
       pages[static_cast<std::size_t>(page)][offset + i] &= bytes[i];
+      if (wrong_bit && *wrong_bit / 8 == offset + i) pages[static_cast<std::size_t>(page)][offset + i] ^= std::byte(1U << *wrong_bit % 8);
     }
     return true;
   }
@@ -180,6 +183,29 @@ TEST(ParameterStore, ACutInTheVeryFirstSaveIsTold) {
   EXPECT_TRUE(read.empty());
 }
 
+// Worn flash: each write is told done, and one bit of one is not as written.
+TEST(ParameterStore, ACopyThatReadsBackWrongIsNotSaved) {
+  CutFlash flash;
+  ASSERT_TRUE(save(flash, some(20, 1)));
+  for (std::size_t bit = 0; bit < store_bytes(20) * 8; ++bit) {
+    flash.wrong_bit = bit;
+    ASSERT_FALSE(save(flash, some(20, 2))) << bit;
+    Values read;
+    ASSERT_EQ(load(flash, read), StoreState::good);
+    ASSERT_EQ(read, some(20, 1)) << "the old copy still counts";
+  }
+}
+
+// A first copy that was damaged later is not the same as none.
+TEST(ParameterStore, ADamagedPageBesideABlankOneIsTold) {
+  for (const std::size_t page : {0U, 1U}) {
+    CutFlash flash;
+    flash.pages[page][0] = std::byte{0};
+    Values read;
+    EXPECT_EQ(load(flash, read), StoreState::lost) << page;
+  }
+}
+
 TEST(ParameterStore, EverySingleWrongBitIsFound) {
   const Values old = some(4, 1), now = some(6, 2);
   CutFlash good;
@@ -297,19 +323,28 @@ TEST_F(StoredDrive, NothingIsSavedWhileTheDriveWorks) {
   EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0x08000022U);
   EXPECT_EQ(write(0x1011, 1, 4, kLoadWord), 0x08000022U);
   // Out of operation, but still braking on the ramp: the flash would stop the servo.
+  using State = contract::canopen::drive::State;
   const auto word = [&](int low) {
     node_.on_frame(frame_of(0x201, {low, 0, 0, 0, 0, 0}));
     tick(node_, 5);
   };
-  for (const int low : {0x06, 0x07, 0x0F}) word(low);
-  for (int i = 0; i < 20; ++i) word(0x0F);
-  ASSERT_EQ(node_.state(), contract::canopen::drive::State::operation_enabled);
-  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 1));
-  tick(node_, 2);
-  ASSERT_EQ(node_.state(), contract::canopen::drive::State::quick_stop_active);
-  EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0x08000022U);
-  tick(node_, 1000);
-  EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
+  for (const State braking : {State::quick_stop_active, State::fault_reaction}) {
+    node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 1));
+    for (const int low : {0x06, 0x07, 0x0F}) word(low);
+    for (int i = 0; i < 20; ++i) word(0x0F);
+    ASSERT_EQ(node_.state(), State::operation_enabled);
+    if (braking == State::fault_reaction) {
+      EXPECT_EQ(write(0x2230, 2, 4, std::bit_cast<std::uint32_t>(80.0F)), 0U);  // the winding counts as 90 degrees warm after power-on
+      tick(node_, 2);
+      ASSERT_EQ(node_.state(), braking);
+    }
+    node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 1));
+    tick(node_, 2);
+    ASSERT_EQ(node_.state(), braking);
+    EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0x08000022U);
+    tick(node_, 1000);
+    EXPECT_EQ(write(0x1010, 1, 4, kSaveWord), 0U);
+  }
 }
 
 TEST_F(StoredDrive, LostParametersAreToldUntilTheyAreSavedAgain) {

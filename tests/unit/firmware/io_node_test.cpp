@@ -53,6 +53,16 @@ TEST_F(IoTest, AShortTouchIsNotLost) {
   EXPECT_EQ(frames[1], frame_of(0x188, {0, 0}));
 }
 
+TEST_F(IoTest, ATouchOutsideOfOperationIsNoStopOfTheNextStart) {
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::pre_operational, 0));
+  board_.bumper_bits = 4;
+  tick(node_, 1);
+  board_.bumper_bits = 0;
+  tick(node_, 1);
+  node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));
+  for (const CanFrame& frame : bumper_frames(30)) EXPECT_EQ(frame, frame_of(0x188, {0, 0}));
+}
+
 TEST_F(IoTest, AChatteringBumperCannotFloodTheBus) {
   board_.sent.clear();
   for (int i = 0; i < 1000; ++i) {
@@ -168,6 +178,15 @@ class AlarmTest : public IoTest {
     }
     return edges;
   }
+  // The outputs that were on at any time meanwhile.
+  unsigned seen_for(int milliseconds) {
+    unsigned seen = 0;
+    for (int ms = 0; ms < milliseconds; ++ms) {
+      tick(node_, 1);
+      seen |= board_.output_bits;
+    }
+    return seen;
+  }
 };
 constexpr int kHighBoth = 0x0F, kMediumBoth = 0x0A, kLowBoth = 0x05, kHighLight = 0x0C;
 
@@ -239,23 +258,16 @@ TEST_F(AlarmTest, H23_ALostHeartbeatIsHeardAlsoOutsideOfOperation) {
   EXPECT_EQ(board_.output_bits, 0) << "taken out of operation by the computer: nothing is known any more";
   tick(node_, 250);
   EXPECT_NE(board_.output_bits & kLights, 0);
-  unsigned seen = 0;
-  for (int ms = 0; ms < 7000; ++ms) {
-    tick(node_, 1);
-    seen |= board_.output_bits;
+  EXPECT_EQ(seen_for(7000), unsigned{canopen::kBuzzer | canopen::kRedLight});
+  // A computer that starts sets the state of the node and falls silent again: only its word about the alarm ends this one.
+  for (const canopen::NmtCommand next : {canopen::NmtCommand::stop, canopen::NmtCommand::pre_operational, canopen::NmtCommand::start}) {
+    node_.on_frame(canopen::nmt(next, 0));
+    EXPECT_EQ(seen_for(7000), unsigned{canopen::kBuzzer | canopen::kRedLight}) << "after NMT command " << static_cast<int>(next);
   }
-  EXPECT_EQ(seen, unsigned{canopen::kBuzzer | canopen::kRedLight});
+  EXPECT_TRUE(play(0, 5000, canopen::kBuzzer | kLights).empty()) << "its word";
 }
 
 TEST_F(AlarmTest, AComputerThatHasNeverSpokenIsNotMissed) {
-  const auto seen_for = [this](int milliseconds) {
-    unsigned seen = 0;
-    for (int ms = 0; ms < milliseconds; ++ms) {
-      tick(node_, 1);
-      seen |= board_.output_bits;
-    }
-    return seen;
-  };
   node_.on_frame(canopen::heartbeat(0x7F, NmtState::operational));  // there, but it has told nothing yet
   EXPECT_EQ(seen_for(10'000), 0U);
   node_.on_frame(canopen::nmt(canopen::NmtCommand::start, 0));  // its lost heartbeat had ended operation

@@ -280,7 +280,7 @@ TEST(Learning, IsToldFalselyInAtMostOneOfTwentyOrders) {
     std::size_t orders = 0, rising = 0, falling = 0;
     do {
       std::vector<Measured> values;
-      for (std::size_t i = 0; i < walked; ++i) values.push_back({static_cast<std::int64_t>(i), 1, order[i]});
+      for (std::size_t i = 0; i < walked; ++i) values.push_back({1, 1, order[i], static_cast<std::int64_t>(i)});
       const Learning learning = learning_of(values);
       ASSERT_TRUE(learning.slope);
       ++orders;
@@ -299,7 +299,7 @@ TEST(Learning, TakesTheSlopeWithinVisitsAndEachVisitsOwnLevel) {
   // 0.1 a walk within each visit; from visit to visit it falls.
   std::vector<Measured> values;
   for (int visit = 0; visit < 3; ++visit)
-    for (int walk = 0; walk < 4; ++walk) values.push_back({4 * visit + walk, visit, 5.0 - 2 * visit + 0.1 * walk});
+    for (int walk = 0; walk < 4; ++walk) values.push_back({4 * visit + walk, visit, 5.0 - 2 * visit + 0.1 * walk, walk});
   values.push_back({99, 99, 40.0});
   Learning learning = learning_of(values);
   EXPECT_EQ(learning.walks, 12U);
@@ -317,12 +317,28 @@ TEST(Learning, TakesTheSlopeWithinVisitsAndEachVisitsOwnLevel) {
   EXPECT_EQ(learning.slope->high, 0);
 }
 
+// A walk without a valid value is practice, too.
+TEST(Learning, CountsWalksAndNotValues) {
+  std::vector<Measured> all, half;
+  for (int walk = 0; walk < 10; ++walk) {
+    all.push_back({walk, 1, 0.4 + 0.02 * walk, walk});
+    if (walk % 2 == 0) half.push_back(all.back());
+  }
+  for (const std::vector<Measured>& values : {all, half}) {
+    const Learning learning = learning_of(values);
+    ASSERT_TRUE(learning.slope) << values.size();
+    EXPECT_NEAR(learning.slope->middle, 0.02, 1e-9) << values.size();
+    EXPECT_NEAR(learning.slope->low, 0.02, 1e-9) << values.size();
+    EXPECT_NEAR(learning.slope->high, 0.02, 1e-9) << values.size();
+  }
+}
+
 TEST(Learning, NeedsFiveWalksOfOneVisitOrTwoOfSix) {
   const auto why = [](const std::vector<std::size_t>& visits) {
     std::vector<Measured> values;
     for (std::size_t visit = 0; visit < visits.size(); ++visit)
       for (std::size_t walk = 0; walk < visits[visit]; ++walk)
-        values.push_back({1, static_cast<std::int64_t>(visit), static_cast<double>(walk)});
+        values.push_back({1, static_cast<std::int64_t>(visit), static_cast<double>(walk), static_cast<std::int64_t>(walk)});
     return learning_of(values).why;
   };
   EXPECT_EQ(why({}), NoChange::few_walks);

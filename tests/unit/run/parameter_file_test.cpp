@@ -8,11 +8,13 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -21,13 +23,14 @@ namespace {
 // Disk operations of this program, and their results.
 struct Disk {
   std::vector<std::string> done;
-  int error = 0;         // of each sync of a file
-  int folder_error = 0;  // of each sync of a folder
+  int error = 0;                    // of each sync of a file
+  int folder_error = 0;             // of each sync of a folder
+  std::optional<std::size_t> room;  // bytes that a write takes at most
 };
 Disk disk;
 }  // namespace
 
-// Replaces the C library's function in the test program.
+// These replace the C library's functions in the test program.
 extern "C" int fsync(int fd) {
   struct stat status {};
   const bool folder = ::fstat(fd, &status) == 0 && S_ISDIR(status.st_mode);
@@ -37,6 +40,9 @@ extern "C" int fsync(int fd) {
   }
   disk.done.emplace_back(folder ? "sync folder" : "sync file");
   return static_cast<int>(::syscall(SYS_fsync, fd));
+}
+extern "C" ssize_t write(int fd, const void* bytes, std::size_t count) {
+  return ::syscall(SYS_write, fd, bytes, std::min(count, disk.room.value_or(count)));
 }
 extern "C" int rename(const char* from, const char* to) noexcept {
   disk.done.emplace_back("rename");
@@ -139,6 +145,18 @@ TEST_F(ParameterFile, AContradictorySetIsNotUsed) {
   EXPECT_NE(loaded.problem.find("fall_tilt_rad"), std::string::npos);
 }
 
+// Taken for a first start, the defaults would take the place of a patient's settings.
+TEST_F(ParameterFile, H27AFileThatCannotBeReadIsNotAFirstStart) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.file("file")) << "";
+  std::filesystem::create_symlink("itself", folder.file("itself"));
+  for (const std::string& unreadable : {folder.file("file/parameters.json"), folder.file("itself")}) {
+    const LoadedParams loaded = load_parameter_file(unreadable);
+    EXPECT_FALSE(loaded.usable) << unreadable;
+    EXPECT_NE(loaded.problem.find("cannot read " + unreadable), std::string::npos) << loaded.problem;
+  }
+}
+
 TEST_F(ParameterFile, AFailedSaveSaysWhyAndLeavesTheOldFile) {
   EXPECT_NE(save_parameter_file("/nowhere/parameters.json", contract::Params{}).problem.find("/nowhere"), std::string::npos);
 }
@@ -195,6 +213,19 @@ TEST_F(Store, AFullDiskIsToldAndTriedAgain) {
   EXPECT_EQ(well.problem, contract::StoreProblem::none);
   EXPECT_EQ(store.problem(), "");
   EXPECT_EQ(stored_cap(), 0.6);
+}
+
+// What a disk that fills up does: it takes a part and reports no error.
+TEST_F(Store, AFileOfWhichTheDiskTookAPartIsNotPutInPlace) {
+  ParameterStore store(path, {}, {});
+  ASSERT_EQ(store.look(cap(0.5), 4, 0).stored, 4U);
+  disk.room = 10;
+  const contract::StoreReport full = store.look(cap(0.6), 6, 0);
+  disk.room.reset();
+  EXPECT_EQ(full.stored, 4U);
+  EXPECT_EQ(full.problem, contract::StoreProblem::disk_full);
+  EXPECT_EQ(stored_cap(), 0.5) << "the old file is whole";
+  EXPECT_EQ(store.look(cap(0.6), 6, ParameterStore::kRetry_ns).stored, 6U);
 }
 
 TEST_F(Store, AFolderThatCouldNotBeSyncedLeavesTheFileInDoubt) {

@@ -109,6 +109,16 @@ TEST_F(StopFile, H22ADamagedFilePutsTheHoistOutOfService) {
   }
 }
 
+TEST_F(StopFile, H22AFileThatCannotBeReadPutsTheHoistOutOfService) {
+  std::ofstream(folder_.file("file")) << "";
+  std::filesystem::create_symlink("itself", folder_.file("itself"));
+  for (const std::string& unreadable : {folder_.file("file/stops.json"), folder_.file("itself")}) {
+    const LoadedStops loaded = load_stop_file(unreadable, "a", kNow_ns);
+    EXPECT_NE(loaded.problem.find("cannot read " + unreadable), std::string::npos) << loaded.problem;
+    EXPECT_EQ(loaded.history.out_of_service, fault_bit(Fault::control_fault)) << unreadable;
+  }
+}
+
 TEST_F(StopFile, H22WhatCannotBeWrittenIsToldAndTriedAgain) {
   const std::string path = folder_.file("later/stops.json");
   StopStore store(path);

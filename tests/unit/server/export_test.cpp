@@ -189,7 +189,7 @@ TEST_F(LongExports, PartsOfAFileAreItsBytes) {
   }
 }
 
-// RFC 9110: a part is defined for GET only (14.2), of the file that If-Range names by its strong tag (13.1.5); 304 comes before (13.2.2).
+// RFC 9110: a part is defined for GET only (14.2), of the file that If-Range names by its strong tag (13.1.5); 304 and 412 come before (13.2.2).
 TEST_F(Exports, APartIsAskedForByGetAndOfThisFile) {
   const std::string target = "/api/v1/sessions/1/session.mcap";
   const Answer whole = get(target);
@@ -202,12 +202,46 @@ TEST_F(Exports, APartIsAskedForByGetAndOfThisFile) {
   for (const std::string& other : {"W/" + tag, std::string("Wed, 21 Oct 2026 07:28:00 GMT")})
     EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-Range", other}}).status, 200) << other;
   EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-None-Match", tag}}).status, 304);
+  // If-Match comes before all (13.2.2): a client that fetches the rest of another file learns it. Weak tags match nothing (13.1.1).
+  for (const std::string& other : {std::string("\"another\""), "W/" + tag})
+    EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-None-Match", tag}, {"If-Match", other}}).status, 412) << other;
+  for (const std::string& same : {"\"another\", " + tag, std::string("*")})
+    EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-9"}, {"If-Match", same}}).status, 206) << same;
   const Answer part = call("GET", target, nullptr, {{"Range", "bytes=0-9"}});
   EXPECT_EQ(part.header("etag"), tag);
   EXPECT_EQ(part.header("accept-ranges"), "bytes");
   EXPECT_EQ(part.header("content-type"), whole.header("content-type"));
   EXPECT_EQ(part.header("content-disposition"), whole.header("content-disposition"));
   EXPECT_EQ(call("GET", target, nullptr, {{"Range", "bytes=0-0"}}).header("content-range"), "bytes 0-0/" + size);
+}
+
+// What was made of a session goes with it: the file of a job at once, figures that a job has computed, and the copy for further parts.
+TEST_F(Exports, WhatIsDeletedIsNotServedFromWhatWasMadeOfIt) {
+  const auto finished = [this](const json& wish) {
+    const std::string place = call("POST", "/api/v1/jobs", wish).header("location");
+    EXPECT_TRUE(until([&] { return get(place).json()["ended_utc_ms"] != nullptr; }));
+    EXPECT_EQ(get(place).json()["state"], "done") << get(place).body;
+    return place;
+  };
+  std::string file, figures;
+  const auto make = [&] {
+    file = finished({{"kind", "export_sessions"}}) + "/file";
+    figures = finished({{"kind", "recompute_metrics"}});
+  };
+  const auto expect_there = [&](bool there) {
+    EXPECT_EQ(get(file).status, there ? 200 : 404);
+    EXPECT_EQ(get(figures).json()["result"].is_object(), there);
+    EXPECT_EQ(get(figures).json()["state"], "done");
+  };
+  make();
+  EXPECT_EQ(call("DELETE", "/api/v1/sessions/1", nullptr, {{"If-Match", "\"another\""}}).status, 412);
+  expect_there(true);
+  ASSERT_EQ(call("DELETE", "/api/v1/sessions/1").status, 204);
+  expect_there(false);
+  make();
+  expect_there(true);
+  ASSERT_EQ(call("DELETE", "/api/v1/patients/" + get("/api/v1/patients").json()["items"][0]["id"].dump()).status, 204);
+  expect_there(false);
 }
 
 TEST_F(Exports, ManySessionsAreAJobWithAFile) {

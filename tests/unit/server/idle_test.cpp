@@ -11,16 +11,21 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "control/publish/core_link.hpp"
 #include "control/run/heap_watch.hpp"
+#include "db/store/database.hpp"
+#include "db/store/session_writer.hpp"
 #include "server/actions/action_table.hpp"
 #include "server/actions/actions.hpp"
 #include "server/actions/lines.hpp"
 #include "server/actions/patients.hpp"
 #include "server/actions/records.hpp"
+#include "server/api/handlers.hpp"
 #include "server/http/compress.hpp"
 #include "server/live/client.hpp"
 #include "server/live/hub.hpp"
@@ -41,9 +46,12 @@ class Idle : public ::testing::Test {
       : fake_((folder_ / "core.sock").string()),
         core_((folder_ / "core.sock").string(), counters_),
         firmware_(core_),
-        recorder_(core_.link(), {.file = folder_ / "none.db", .version = "", .utc_ns = [] { return std::int64_t{0}; }, .steady_ns = {}}),
+        recorder_(core_.link(), {.file = folder_ / "none.db",
+                                 .version = "",
+                                 .utc_ns = [] { return std::int64_t{0}; },
+                                 .steady_ns = [this] { return now_ns_; }}),
         jobs_({.tools = {.file = folder_ / "none.db", .utc_ns = [] { return std::int64_t{0}; }}}),
-        records_(recorder_, [](std::function<void()>) {}),
+        records_(recorder_, [this](std::function<void()> work) { posted_.push_back(std::move(work)); }),
         state_(settings_, core_, recorder_) {
     std::string error;
     auth_ = Auth::create({.token_file = "", .hosts = {}}, {1000, 1000}, error);
@@ -93,6 +101,7 @@ class Idle : public ::testing::Test {
 
   boost::asio::io_context io_;  // outlives the hub, which keeps clients
   test::TemporaryFolder folder_;
+  std::vector<std::function<void()>> posted_;  // by the recorder's thread, for the network's
   test::FakeCore fake_;
   Settings settings_;
   Counters counters_;
@@ -130,6 +139,49 @@ TEST_F(Idle, ParametersAreCopiedOnceForEachChange) {
   EXPECT_LE(before, 2U);
   poll(40);
   EXPECT_EQ(core_.parameter_copies(), before);
+}
+
+// Each job of the recorder's thread reads a bounded part of the session, so that the job of another client comes next.
+TEST_F(Idle, ALongRecordingIsReadInPieces) {
+  constexpr std::size_t kSamples = 125'000, kPieces = 5;
+  {
+    auto database = db::Database::open(folder_ / "none.db");
+    auto writer = db::SessionWriter::create(*database);
+    std::vector<double> parameters;
+    for (const contract::ParamInfo& info : contract::kParams) parameters.push_back(info.default_value);
+    db::SessionStart start;
+    start.started_utc_ns = 1'790'000'000'000'000'000;
+    start.start_time_ns = 1;
+    start.parameter_values = parameters;
+    ASSERT_TRUE(writer->begin(start));
+    std::vector<contract::TickRecord> records(1000);
+    for (std::size_t tick = 0; tick < kSamples; tick += records.size()) {
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        records[i].tick = tick + i;
+        records[i].time_ns = 1 + (tick + i) * kTick_ns;
+      }
+      ASSERT_TRUE(writer->append_ticks(records));
+    }
+    ASSERT_TRUE(writer->end(db::CloseReason::finished, start.started_utc_ns));
+  }
+  recorder_.open_here();
+  const RestContext rest{.services = *services_, .auth = *auth_, .open_live = {}, .open_foxglove = {}, .open_rosbridge = {}};
+  for (const auto handler : {&api::get_metrics, &api::get_tuning_advice, &api::get_session_report}) {
+    std::optional<Response> answer;
+    auto call = std::make_shared<Call>(rest, Request{}, [&answer](Response response) { answer = std::move(response); });
+    call->path_values = {"1"};
+    handler(call);
+    call.reset();
+    std::size_t jobs = 0;
+    for (; !answer && jobs < 100; ++jobs) {
+      recorder_.pass_here();
+      for (const auto& work : std::exchange(posted_, {})) work();
+    }
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->status, 200U) << answer->body;
+    EXPECT_GT(jobs, kPieces);
+  }
+  recorder_.finish_here();
 }
 
 TEST_F(Idle, AClientIsVisitedOnceASecond) {

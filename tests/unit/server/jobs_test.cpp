@@ -170,6 +170,50 @@ TEST_F(Queue, AJobGivesWayToADeletionAndBeginsAnew) {
   EXPECT_EQ(jobs.find(1)->state, JobState::done);
 }
 
+// What an export has read before a session was deleted may hold it, also when it looks only after the deletion.
+TEST_F(Queue, AnExportThatADeletionOvertakesBeginsAnew) {
+  Jobs jobs(options());
+  for (const JobKind kind : {JobKind::export_sessions, JobKind::recompute_metrics}) {
+    const JobId id = *jobs.add(kind, {}, {});
+    bool deleted = false;
+    on_step_ = [&](const JobInfo& info) {
+      if (std::exchange(deleted, true) || info.id != id) return;
+      const auto held = jobs.hold();
+      jobs.forget_recordings();
+    };
+    EXPECT_TRUE(jobs.work_here());
+    EXPECT_EQ(jobs.find(id)->state, JobState::waiting);
+    EXPECT_TRUE(jobs.work_here());
+    EXPECT_EQ(jobs.find(id)->state, JobState::done);
+  }
+}
+
+TEST_F(Queue, WhatRetentionDeletesIsInNoEarlierExport) {
+  const std::filesystem::path file = folder_ / "hoist.db";
+  record_into(file, 100);
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000, kNow_ns = 1'790'000'000'000'000'000;
+  {
+    auto database = db::Database::attach(file);
+    sqlite3_exec(database->handle(),
+                 ("UPDATE sessions SET started_utc_ns = " + std::to_string(kNow_ns - 90 * kDay_ns) + " WHERE id = 1").c_str(), nullptr,
+                 nullptr, nullptr);
+    ASSERT_TRUE(db::set_retention_rule(*database, {.days = 365, .disk_percent = {}, .needs_backup = false}));
+  }
+  Jobs::Options at_work = options();
+  at_work.tools.utc_ns = [] { return kNow_ns; };
+  Jobs jobs(at_work);
+  for (const JobKind kind : {JobKind::export_sessions, JobKind::recompute_metrics, JobKind::retention}) ASSERT_TRUE(jobs.add(kind, {}, {}));
+  while (jobs.work_here()) continue;
+  EXPECT_NE(jobs.find(1)->file, nullptr) << "nothing was old enough";
+  EXPECT_NE(jobs.find(2)->result, nullptr);
+  ASSERT_TRUE(db::set_retention_rule(*db::Database::attach(file), {.days = 60, .disk_percent = {}, .needs_backup = false}));
+  ASSERT_TRUE(jobs.add(JobKind::retention, {}, {}));
+  while (jobs.work_here()) continue;
+  EXPECT_EQ(json::parse(*jobs.find(4)->result)["sessions"], 1);
+  EXPECT_EQ(jobs.find(1)->file, nullptr);
+  EXPECT_EQ(jobs.find(2)->result, nullptr);
+}
+
 // Of an older schema, as a recorder leaves it that could not bring it up to date: no session is being recorded that a job would wait for.
 TEST_F(Queue, AFileThatIsNotSetUpIsAFaultOfTheStorage) {
   sqlite3* file = nullptr;

@@ -69,7 +69,33 @@ TEST_F(Limits, MalformedRequestsAreAnsweredOrClosed_H30) {
   EXPECT_EQ(get("/api/v1/status").status, 200);
 }
 
-TEST_F(Limits, AHostIsRequired) { EXPECT_TRUE(raw("GET / HTTP/1.1\r\nConnection: close\r\n\r\n").starts_with("HTTP/1.1 421")); }
+// RFC 9112, 3.2 and 3.2.2: HTTP/1.1 without Host is 400; the authority of an address in absolute form counts instead of Host.
+TEST_F(Limits, AHostIsRequired) {
+  const auto status = [this](const std::string& request) { return raw(request).substr(0, 12); };
+  const std::string close = "Connection: close\r\n\r\n", own = "127.0.0.1:" + std::to_string(port_);
+  EXPECT_EQ(status("GET / HTTP/1.1\r\n" + close), "HTTP/1.1 400");
+  EXPECT_EQ(status("GET / HTTP/1.0\r\n" + close), "HTTP/1.1 421");
+  const std::string mode = "/api/v1/mode HTTP/1.1\r\n", token = "Authorization: " + bearer_[0].second + "\r\n";
+  EXPECT_EQ(status("GET http://" + own + mode + host() + token + close), "HTTP/1.1 200");
+  EXPECT_EQ(status("GET HTTP://" + own + mode + "Host: elsewhere.example\r\n" + token + close), "HTTP/1.1 200");
+  EXPECT_EQ(status("GET http://" + own + mode + token + close), "HTTP/1.1 400") << "Host is required beside it";
+  for (const std::string& other : {std::string("elsewhere.example"), "me@" + own, own + "@elsewhere.example", std::string()})
+    EXPECT_EQ(status("GET http://" + other + mode + host() + token + close), "HTTP/1.1 421") << other;
+}
+
+// Names of schemes and media types are those of RFC 9110, in capital or small letters (11.1, 8.3.1).
+TEST_F(Limits, SchemesAndTypesAreReadInAnyCase) {
+  const std::string token = bearer_[0].second.substr(std::string("Bearer ").size());
+  for (const char* scheme : {"bearer ", "BEARER ", "Bearer   "}) {
+    const Headers headers{{"Authorization", scheme + token}, {"Content-Type", "Application/JSON; charset=utf-8"}};
+    EXPECT_EQ(http(port_, "GET", "/api/v1/status", headers).status, 200) << scheme;
+    EXPECT_EQ(http(port_, "POST", "/api/v1/lease", headers, "{}").status, 200) << scheme;
+    EXPECT_EQ(http(port_, "POST", "/api/v1/stop", headers).status, 200) << scheme;
+  }
+  for (const std::string& other : {"Bearer" + token, "Basic " + token, std::string("Bearer "), std::string("Bearer")})
+    EXPECT_EQ(http(port_, "GET", "/api/v1/status", {{"Authorization", other}}).status, 401) << other;
+  EXPECT_EQ(http(port_, "POST", "/api/v1/lease", {bearer_[0], {"Content-Type", "application/jsonp"}}, "{}").status, 415);
+}
 
 TEST_F(Limits, ConnectionsPerAddress_H31) {
   std::vector<std::unique_ptr<Raw>> held;
@@ -173,7 +199,6 @@ TEST_F(Limits, AmbiguousRequestsAreRefusedAndClosed_H30) {
         post + token + "X-A: 1\n" + json_type + "Content-Length: 2\r\n\r\n{}",
         post + token + "X-A: 1" + std::string(1, '\0') + "\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
         post + token + "X-A : 1\r\n" + json_type + "Content-Length: 2\r\n\r\n{}",
-        "GET http://127.0.0.1:" + std::to_string(port_) + "/api/v1/status HTTP/1.1\r\n" + host() + token + "Connection: close\r\n\r\n",
         "GET /api/v1/sessions?limit=1&limit=2 HTTP/1.1\r\n" + host() + token + "Connection: close\r\n\r\n"}) {
     const std::string answer = raw(bad + next);
     EXPECT_TRUE(answer.starts_with("HTTP/1.1 400")) << bad << " -> " << answer.substr(0, 200);

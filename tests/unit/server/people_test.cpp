@@ -240,8 +240,19 @@ TEST_F(People, a_pin_works_only_where_its_owner_has_been) {
   EXPECT_EQ(tablet2.call("PUT", "/api/v1/session/pin", {{"password", kPassword}, {"pin", "1234"}}).status, 422U) << "a row of digits";
   ASSERT_EQ(tablet2.call("PUT", "/api/v1/session/pin", {{"password", kPassword}, {"pin", "4711"}}).status, 200U);
   ASSERT_EQ(tablet2.sign_in("bert", kPassword), 200U);
-  const json here = tablet2.who()["here"];
-  ASSERT_EQ(here.size(), 2U);
+  const auto here = [&] {
+    const json who = tablet2.who();
+    std::vector<std::string> names;
+    for (const json& one : who["here"]) names.push_back(one["user"]);
+    return names;
+  };
+  EXPECT_EQ(here(), std::vector<std::string>{"anna"}) << "bert has no PIN";
+  // A PIN of another device counts here, too.
+  Browser bert = signed_in("bert");
+  for (const json& pin : {json("5822"), json()}) {
+    ASSERT_EQ(bert.call("PUT", "/api/v1/session/pin", {{"password", kPassword}, {"pin", pin}}).status, 200U);
+    EXPECT_EQ(here().size(), pin.is_null() ? 1U : 2U);
+  }
   const Answer back = tablet2.call("POST", "/api/v1/session", {{"user", "anna"}, {"pin", "4711"}});
   ASSERT_EQ(back.status, 200U) << back.body;
   EXPECT_EQ(tablet2.who()["user"], "anna");
@@ -249,6 +260,51 @@ TEST_F(People, a_pin_works_only_where_its_owner_has_been) {
   // Five wrong ones, however far apart: then the password.
   Answer wrong = tablet2.call("POST", "/api/v1/session", {{"user", "anna"}, {"pin", "4712"}});
   EXPECT_EQ(wrong.status, 401U);
+}
+
+// The device to be kept out has signed in before and has set the PIN itself.
+TEST_F(People, a_new_password_ends_the_pin_and_forgets_the_devices) {
+  set_up_engineer();
+  add_user("anna", "therapist");
+  const json by_pin{{"user", "anna"}, {"pin", "4711"}};
+  std::string password = kPassword;
+  const auto stranger_with_pin = [&] {
+    Browser stranger = browser();
+    EXPECT_EQ(stranger.sign_in("anna", password), 200U);
+    EXPECT_EQ(stranger.call("PUT", "/api/v1/session/pin", {{"password", password}, {"pin", "4711"}}).status, 200U);
+    return stranger;
+  };
+  const auto expect_kept_out = [&](Browser& stranger, const char* how) {
+    const Answer refused = stranger.call("POST", "/api/v1/session", by_pin);
+    EXPECT_EQ(refused.status, 403U) << how << " " << refused.body;
+    EXPECT_EQ(stranger.who()["here"].size(), 0U) << how;
+    EXPECT_EQ(stranger.call("POST", "/api/v1/stop").status, 200U) << how << ": STOP works with an ended sign-in";
+    stop_server();
+    start_server();
+    wait_for_core();
+    stranger.port = port_;
+    EXPECT_EQ(stranger.call("POST", "/api/v1/session", by_pin).status, 403U) << how << ", after a restart";
+  };
+
+  Browser stranger = stranger_with_pin();
+  Browser anna = signed_in("anna");
+  ASSERT_EQ(anna.call("PUT", "/api/v1/session/password", {{"password", password}, {"new_password", kOther}}).status, 200U);
+  EXPECT_EQ(anna.who()["has_pin"], false);
+  EXPECT_EQ(anna.call("POST", "/api/v1/session", by_pin).status, 401U) << "her own device is known, but the PIN is gone";
+  expect_kept_out(stranger, "by herself");
+
+  password = kOther;
+  stranger = stranger_with_pin();
+  ASSERT_EQ(call("PATCH", "/api/v1/users/anna", {{"password", kPassword}}).status, 200U);
+  expect_kept_out(stranger, "by an engineer");
+
+  password = kPassword;
+  stranger = stranger_with_pin();
+  turn_switch(true);
+  json again = engineer(code());
+  again["user"] = "anna";
+  ASSERT_EQ(browser().call("POST", "/api/v1/setup", again).status, 200U);
+  expect_kept_out(stranger, "at the switch");
 }
 
 TEST_F(People, a_socket_needs_a_fresh_ticket_of_its_own_session) {

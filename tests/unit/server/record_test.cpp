@@ -155,6 +155,10 @@ TEST_F(Record, AWalkIsRecordedAndExportedAsPublished) {
   EXPECT_EQ(get("/api/v1/sessions?q=P-17").json()["items"].size(), 1U);
   EXPECT_EQ(get("/api/v1/sessions?q=p-1").json()["items"].size(), 1U);
   EXPECT_EQ(get("/api/v1/sessions?q=P-18").json()["items"].size(), 0U);
+  const auto sessions_of = [&](const json& patient) { return get("/api/v1/sessions?patient=" + patient.dump()).json()["total"]; };
+  EXPECT_EQ(sessions_of(visit["patient"]), 1);
+  EXPECT_EQ(sessions_of(call("POST", "/api/v1/patients", {{"code", "P-1"}}).json()["id"]), 0) << "P-17 contains this code";
+  EXPECT_EQ(get("/api/v1/sessions?patient=P-1").status, 422);
   EXPECT_EQ(get("/api/v1/sessions?limit=0").status, 422);
   EXPECT_EQ(call("DELETE", "/api/v1/sessions/1").status, 204);
   EXPECT_EQ(get("/api/v1/sessions/1").status, 404);
@@ -612,6 +616,23 @@ TEST_F(TakeOver, AServerThatComesBackSoonRecordsWhatTheDeadOneMissed) {
 }
 
 // H21
+// In lock-step the core's time is that of its newest step, not of the step from the past with which the session begins.
+TEST_F(TakeOver, InLockStepTooAWalkThatIsTakenOverIsDatedWhenItWasWalked) {
+  std::string error;
+  core_ = publish::CoreLink::create("", kLife_ns, static_cast<std::uint64_t>(kUtc_ns), error, contract::ClockKind::simulated);
+  ASSERT_NE(core_, nullptr) << error;
+  walk_and_die();
+  publish(600, Mode::user);
+  live();
+  publish(400, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session second = session(2);
+  EXPECT_EQ(second.info.started_utc_ns, kUtc_ns + static_cast<std::int64_t>(second.ticks.front()) * 10'000'000);
+  auto database = db::Database::attach(folder_ / "hoist.db");
+  EXPECT_EQ(db::number_of(database->handle(), "SELECT count(*) FROM utc_anchors WHERE session_id = 2"), 0) << "the clock was not set";
+}
+
 TEST_F(TakeOver, WhatTheCoreNoLongerHoldsIsAGapAtTheBegin) {
   walk_and_die();
   publish(3000, Mode::user);
@@ -885,18 +906,97 @@ TEST_F(RefusingDisk, NothingOfTheNextCoreEntersTheSessionOfTheFirst) {
   disk_.fail(0);
   publish(300, Mode::user);
   publish(400, Mode::standby);
-  ASSERT_EQ(sessions(), 2U);
-  const Session first = session(1), second = session(2);
+  ASSERT_EQ(sessions(), 3U) << "the new core holds its two walks until the disk takes them";
+  const Session first = session(1), second = session(2), third = session(3);
   EXPECT_EQ(first.info.close_reason, "core_restarted");
   EXPECT_EQ(first.ticks.back(), until);
   EXPECT_EQ(first.frames.back(), until);
-  EXPECT_TRUE(first.gaps.empty());
-  EXPECT_EQ(second.info.core_start_time_ns, kLife_ns + 1);
-  ASSERT_FALSE(second.gaps.empty());
-  EXPECT_EQ(second.gaps[0].stream, "ticks");
-  EXPECT_EQ(second.gaps[0].from_tick, until + 501) << "the walk under way";
-  EXPECT_EQ(second.gaps[0].to_tick, second.ticks.front() - 1);
-  EXPECT_EQ(second.gaps[0].reason, "storage");
+  for (const Session* one : {&second, &third}) EXPECT_EQ(one->info.core_start_time_ns, kLife_ns + 1);
+  EXPECT_EQ(second.ticks.front(), until + 1);
+  EXPECT_EQ(third.ticks.front(), until + 501);
+  for (const Session* one : {&first, &second, &third}) EXPECT_TRUE(one->gaps.empty());
+}
+
+// The end of a session that is decided fixes its last step, however late the disk takes it.
+TEST_F(RefusingDisk, AWalkThatBeginsWhileTheLastOnesEndIsRefusedIsItsOwnSession) {
+  live();
+  recorder_->set_subject("P-1");
+  publish(300, Mode::user);
+  publish(100, Mode::standby);
+  disk_.fail(1.0);
+  publish(300, Mode::standby);
+  const std::uint64_t operations = disk_.operations();
+  publish(400, Mode::standby);
+  EXPECT_LT(disk_.operations() - operations, 100U) << "its end is tried with each commit, not with each step";
+  const std::uint64_t walk = record_.tick + 1;
+  publish(200, Mode::user);
+  disk_.fail(0);
+  publish(100, Mode::user);
+  publish(310, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), between = session(2), second = session(3);
+  for (const Session* one : {&first, &between, &second}) ASSERT_FALSE(one->ticks.empty());
+  EXPECT_EQ(first.info.close_reason, "finished");
+  EXPECT_NEAR(static_cast<double>(first.ticks.size()), 600, 2) << "300 in motion and 3 s of roll-out";
+  EXPECT_TRUE(between.info.standby);
+  EXPECT_EQ(between.ticks.front(), first.ticks.back() + 1);
+  EXPECT_EQ(second.ticks.front(), walk);
+  EXPECT_EQ(second.frames.front(), walk);
+  EXPECT_EQ(second.events, 2U);
+  for (const Session* one : {&first, &between, &second}) {
+    EXPECT_TRUE(one->gaps.empty());
+    EXPECT_EQ(one->info.subject, "P-1");
+  }
+}
+
+// H24: never into another patient's records.
+TEST_F(RefusingDisk, WhatWaitsIsNotTheNextPatients) {
+  live();
+  recorder_->set_subject("P-1");
+  publish(300, Mode::user);
+  disk_.fail(1.0);
+  publish(500, Mode::standby);
+  publish(300, Mode::user);
+  publish(100, Mode::standby);
+  recorder_->set_subject("P-2");
+  const std::uint64_t chosen = record_.tick;
+  publish(100, Mode::standby);
+  publish(50, Mode::user);
+  disk_.fail(0);
+  publish(300, Mode::user);
+  publish(310, Mode::standby);
+  ASSERT_EQ(sessions(), 2U);
+  const Session first = session(1), between = session(2), second = session(3);
+  for (const Session* one : {&first, &between, &second}) ASSERT_FALSE(one->ticks.empty());
+  EXPECT_EQ(first.info.subject, "P-1");
+  EXPECT_NEAR(static_cast<double>(first.ticks.size()), 600, 2);
+  EXPECT_EQ(second.info.subject, "P-2");
+  EXPECT_TRUE(between.info.standby);
+  EXPECT_EQ(between.info.subject, "P-2");
+  EXPECT_GT(between.ticks.front(), chosen);
+  EXPECT_TRUE(second.gaps.empty());
+}
+
+// The core's ring was overwritten while no session was open.
+TEST_F(TakeOver, AWalkThatBeginsWhileTheRecorderStallsSaysWhatIsMissing) {
+  live();
+  publish(50, Mode::standby);
+  auto halted = std::move(recorder_);
+  publish(500, Mode::standby);
+  const std::uint64_t from = record_.tick + 1;
+  publish(contract::kTickSlots + 500, Mode::user);
+  recorder_ = std::move(halted);
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 1U);
+  const Session one = session(1);
+  ASSERT_EQ(one.gaps.size(), 2U);
+  for (const db::Gap& gap : one.gaps) {
+    EXPECT_EQ(gap.reason, "recorder_late");
+    EXPECT_EQ(gap.from_tick, from);
+    EXPECT_EQ(gap.to_tick, one.ticks.front() - 1);
+  }
+  EXPECT_EQ(one.events, 2U) << "its begin, which the core still held, and its end";
 }
 
 TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {
@@ -1110,6 +1210,53 @@ TEST_F(TakeOver, AClockThatIsSetChangesNoLengthAndNoOrder) {
   while (sqlite3_step(row) == SQLITE_ROW) jumps_s.push_back((sqlite3_column_int64(row, 0) - offset_ns) / 1'000'000'000);
   sqlite3_finalize(row);
   EXPECT_EQ(jumps_s, (std::vector<std::int64_t>{3600, -86400}));
+}
+
+// A whole export is kept for further parts: on the disk, without a name.
+TEST_F(TakeOver, AWholeExportGoesAfterItsLastUseAndWithItsSession) {
+  live();
+  publish(100, Mode::user);
+  publish(400, Mode::standby);
+  ASSERT_EQ(sessions(), 1U);
+  const auto make = [this] {
+    server::ExportId id = 0;
+    ASSERT_TRUE(job([&id](server::Records& records) -> db::Status {
+      const auto opened = records.open_export(1, {.format = db::ExportFormat::mcap});
+      if (opened) id = opened->id;
+      return opened ? db::Status() : opened.error();
+    }));
+    for (bool whole = false; !whole;)
+      ASSERT_TRUE(job([id, &whole](server::Records& records) -> db::Status {
+        const auto file = records.export_file(id);
+        if (!file) return file.error();
+        whole = *file != nullptr;
+        return {};
+      }));
+  };
+  const auto on_disk = [this] {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+      std::error_code gone;
+      const std::string target = std::filesystem::read_symlink(entry.path(), gone).string();
+      if (target.starts_with(folder_.path().string() + "/") && target.ends_with(" (deleted)")) ++count;
+    }
+    return count;
+  };
+  const auto pass_after = [this](std::uint64_t wait_ns) {
+    record_.time_ns += wait_ns;
+    recorder_->pass_here();
+  };
+  constexpr std::uint64_t kKept_ns = 600'000'000'000;
+  make();
+  pass_after(kKept_ns);
+  EXPECT_EQ(on_disk(), 1U);
+  pass_after(1);
+  EXPECT_EQ(on_disk(), 0U);
+  make();
+  EXPECT_EQ(on_disk(), 1U);
+  ASSERT_TRUE(db::SessionEditor(*db::Database::attach(folder_ / "hoist.db")).remove(1));
+  pass_after(0);
+  EXPECT_EQ(on_disk(), 0U);
 }
 
 TEST_F(TakeOver, AJobThatWaitedTooLongIsToldSo) {

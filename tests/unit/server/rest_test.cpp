@@ -458,6 +458,17 @@ TEST_F(Rest, StartNeedsTheLease) {
   EXPECT_EQ(core_->mode(), Mode::standby);
 }
 
+TEST_F(Rest, AnAnswerFindsItsStepAlsoWhenTheServerIsBehind) {
+  for (int i = 0; i < 30; ++i) {
+    core_->skip(1500);  // what the server has not read yet, after a stall of 15 s
+    const Answer lease = call("POST", "/api/v1/lease", {{"take_over", true}});
+    ASSERT_EQ(lease.status, 200) << lease.body;
+    std::uint32_t epoch = 0;
+    core_->set([&](const contract::TickRecord& r) { epoch = r.lease_epoch; });
+    ASSERT_EQ(lease.json()["epoch"], epoch) << i;
+  }
+}
+
 TEST_F(Rest, TheSameExerciseGoesOnUnlessItIsToStartAgain) {
   const std::string epoch = std::to_string(call("POST", "/api/v1/lease", json::object()).json()["epoch"].get<int>());
   const json eight{{"shape", "eight"}, {"c_m", 1.0}, {"radius_m", 0.8}};

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <utility>
 
 #include "control/contract/faults.hpp"
 #include "server/state/walk.hpp"
@@ -125,6 +126,47 @@ TEST_F(WalkLiveTest, EveryScreenIsToldTheSameExerciseStartAndPath) {
   EXPECT_NEAR(told["x_m"].back().get<double>(), walked.back().fused_x_m, 0.021);
   EXPECT_NEAR(told["x_m"].front().get<double>(), told["mark"]["x_m"].get<double>(), 1e-3);
   EXPECT_EQ(get("/api/v1/walk").json()["begun"], square);
+}
+
+TEST_F(WalkLiveTest, AnotherPatientBeginsAnewAlsoTheTask) {
+  Live screen(port_, bearer_);
+  ASSERT_EQ(screen.ask({{"type", "lease_take"}})["ok"], true);
+  const json wish{{"task", "straight"}, {"sizes", {{"length_m", 20}}}, {"repetitions", 3}};
+  ASSERT_EQ(call("PUT", "/api/v1/task", wish).status, 200);
+  const json line = get("/api/v1/walk").json()["exercise"];
+  core_->set([](TickRecord& r) { r.standing_still = 0; });
+  const auto patient = [&](const char* code) { return call("POST", "/api/v1/patients", {{"code", code}}).json()["id"]; };
+  const auto choose = [&](const json& who) { EXPECT_EQ(screen.ask({{"type", "choose_patient"}, {"patient", who}})["ok"], true); };
+  // The start mark and the repetition of a walk of half a second.
+  const auto walk = [&](const json& start) {
+    EXPECT_EQ(screen.ask(start)["ok"], true) << start;
+    const json repetition = get("/api/v1/walk").json()["task"]["repetition"];
+    core_->skip(50);
+    EXPECT_TRUE(until([&] { return get("/api/v1/walk").json()["motion_s"].get<double>() > 0.4; }));
+    EXPECT_EQ(screen.ask({{"type", "mode"}, {"mode", "standby"}})["ok"], true);
+    EXPECT_TRUE(until([&] { return get("/api/v1/walk").json()["task"]["ended_tick"].is_number() || repetition == 0; }));
+    return std::pair(core_->published().back().start_mark, repetition.get<int>());
+  };
+  const json start{{"type", "mode"}, {"mode", "user"}, {"exercise", line}};
+  const json first = patient("P-1"), second = patient("P-2");
+  choose(first);
+  const auto [mark, repetition] = walk(start);
+  EXPECT_EQ(repetition, 1);
+  choose(first);
+  EXPECT_EQ(walk(start), std::pair(mark, 1)) << "the same patient goes on";
+  choose(second);
+  const json told = get("/api/v1/walk").json();
+  EXPECT_EQ(told["motion_s"], 0.0);
+  EXPECT_EQ(told["x_m"].size(), 1U) << "nothing of the path of the one before";
+  EXPECT_EQ(told["task"]["repetition"], 0);
+  EXPECT_TRUE(told["begun"].is_null());
+  EXPECT_EQ(walk(start), std::pair(mark + 1, 1));
+  choose(nullptr);
+  const json only_moved{{"type", "mode"}, {"mode", "remote"}, {"exercise", nullptr}};
+  EXPECT_EQ(walk(only_moved), std::pair(mark + 2, 0)) << "no patient is another one, and moving the hoist is no repetition";
+  EXPECT_EQ(walk(only_moved), std::pair(mark + 2, 0));
+  const json driven{{"type", "mode"}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}};
+  EXPECT_EQ(walk(driven), std::pair(mark + 3, 0)) << "an exercise begins at its own start mark";
 }
 
 TEST_F(WalkLiveTest, ANewStartMarkIsToldToEveryScreen) {
@@ -280,6 +322,27 @@ TEST(TaskRun, ALineEndsWhereItEndsAndEachStartMarkIsARepetition) {
   EXPECT_TRUE(run.told()["reached"].get<bool>());
   run.choose(std::nullopt);
   EXPECT_TRUE(run.told().is_null());
+}
+
+TEST(TaskRun, ARepetitionInWhichNothingMovedIsNotUsedUp) {
+  server::TaskRun run;
+  const db::TaskChoice straight = task_choice({{"task", "straight"}, {"sizes", {{"length_m", 2}}}, {"repetitions", 3}});
+  run.choose(straight);
+  std::uint64_t tick = 1;
+  // Begins and ends at this start mark, at standstill or not; the repetition that it was.
+  const auto walk = [&](Mode mode, std::uint32_t mark, bool moves) {
+    run.take(at_place(tick++, Mode::standby, mark, 0));
+    run.begin(run.next(straight.exercise, mode));
+    TickRecord record = at_place(tick++, mode, mark, 0);
+    record.standing_still = moves ? 0 : 1;
+    run.take(record);
+    run.take(at_place(tick++, Mode::standby, mark, 0));
+    return run.told()["repetition"].get<int>();
+  };
+  EXPECT_EQ(walk(Mode::guided, 1, false), 1);
+  EXPECT_EQ(walk(Mode::user, 2, false), 1) << "who leads has changed";
+  EXPECT_EQ(walk(Mode::user, 3, true), 1);
+  EXPECT_EQ(walk(Mode::user, 4, true), 2);
 }
 
 TEST(TaskRun, TimeCountsFromTheFirstMovementAndATurnToEitherSide) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "firmware/sim/patient.hpp"
@@ -367,18 +368,48 @@ TEST(PatientFamily, StridesVaryAsTheRowSaysAndThePlainPatientsDoNot) {
   }
 }
 
+// A walk of a minute, as the studies measured them.
+TEST(PatientFamily, AMinuteOfStridesVariesAsTheRowSays) {
+  for (const FamilyMember& member : kPatientFamily) {
+    GaitVariation variation = member.params.variation;
+    if (variation.stride_time_norm == 0.0) continue;
+    double sum = 0.0;
+    constexpr int kWalks = 60;
+    for (int walk = 1; walk <= kWalks; ++walk) {
+      variation.seed = static_cast<std::uint64_t>(walk);
+      UnevenGait gait(variation);
+      std::vector<double> times_s;
+      double phase_rad = 0.0, begun_s = 0.0;
+      for (int ms = 0; ms < 60'000; ++ms) {
+        gait.step_1ms(1.0, phase_rad, true);
+        phase_rad += 2.0 * kPi * 0.8 * gait.tempo_norm() * 0.001;
+        if (phase_rad < 2.0 * kPi) continue;
+        phase_rad -= 2.0 * kPi;
+        times_s.push_back(0.001 * ms - std::exchange(begun_s, 0.001 * ms));
+      }
+      double mean_s = 0.0, squares = 0.0;
+      for (const double time_s : times_s) mean_s += time_s / static_cast<double>(times_s.size());
+      for (const double time_s : times_s) squares += (time_s - mean_s) * (time_s - mean_s);
+      sum += std::sqrt(squares / static_cast<double>(times_s.size() - 1)) / mean_s;
+    }
+    EXPECT_NEAR(sum / kWalks, variation.stride_time_norm, 0.1 * variation.stride_time_norm) << member.name;
+  }
+}
+
 TEST(PatientFamily, StandingSwaysAsTheRowSaysAndTheSameSeedSwaysAlike) {
   const auto sway = [](std::uint64_t seed, std::vector<double>& places) {
     PatientParams params = find_patient("standing")->params;
     params.variation.seed = seed;
     Stage stage("stand", params);
-    double squares = 0.0;
+    double squares = 0.0, aside_squares = 0.0;
     for (int i = 0; i < 60'000; ++i) {
       stage.run(0.01);
-      const double dx_m = stage.patient.harness().dx_m;
+      const double dx_m = stage.patient.harness().dx_m, dy_m = stage.patient.harness().dy_m;
       squares += dx_m * dx_m;
+      aside_squares += dy_m * dy_m;
       if (i % 100 == 0) places.push_back(dx_m);
     }
+    EXPECT_NEAR(std::sqrt(aside_squares / squares), 0.6, 0.12);
     return std::sqrt(squares / 60'000);
   };
   std::vector<double> one, again, other;

@@ -68,6 +68,8 @@ TEST(Requests, LetSomebodyPushTheHoistAndHoldTheBar) {
   EXPECT_EQ(ask(world, R"({"op":"push","way_m":1.0,"turn_rad":0.5})").at("ok"), true);
   EXPECT_EQ(ask(world, R"({"op":"bar","dx_m":0.1,"yaw_rad":0.0})").at("ok"), true);
   EXPECT_EQ(ask(world, R"({"op":"state"})").at("patient_in"), false);
+  for (const char* of_a_patient : {R"({"op":"trip"})", R"({"op":"collapse"})", R"({"op":"hang"})", R"({"op":"freeze_feet","seconds":1})"})
+    EXPECT_TRUE(ask(world, of_a_patient).contains("error")) << of_a_patient;
   for (int i = 0; i < 4000; ++i) world.advance_1ms();
   EXPECT_FALSE(world.plant().pushed());
   EXPECT_NEAR(world.plant().platform().psi_rad - from_rad, 0.5, 1e-3);
@@ -83,6 +85,19 @@ TEST(Requests, LetSomebodyPushTheHoistAndHoldTheBar) {
   EXPECT_TRUE(ask(world, R"({"op":"wire_bumper","strip":0,"bit":254})").contains("error"));
   EXPECT_TRUE(ask(world, R"({"op":"bar","dx_m":0.9,"yaw_rad":0.0})").contains("error"));
   EXPECT_TRUE(ask(world, R"({"op":"push","way_m":"far","turn_rad":0.0})").contains("error"));
+}
+
+TEST(Requests, TheFloorIsCleared) {
+  World world(WorldOptions{});
+  const PlatformMotion at = world.plant().platform();
+  const double ahead_m = world.plant().params().bumper_middle_m;
+  ASSERT_TRUE(world.plant().add_obstacle({at.x_m + ahead_m * std::cos(at.psi_rad), at.y_m + ahead_m * std::sin(at.psi_rad), 0.3}));
+  EXPECT_TRUE(ask(world, R"({"op":"sill","which":"both","height_m":0.01})").contains("ok"));
+  world.advance_1ms();
+  EXPECT_NE(world.plant().bumpers(), 0);
+  EXPECT_EQ(ask(world, R"({"op":"clear_floor"})").at("ok"), true);
+  for (int i = 0; i < 100; ++i) world.advance_1ms();
+  EXPECT_EQ(world.plant().bumpers(), 0);
 }
 
 TEST(Requests, RefuseByNameAndChangeNothing) {
@@ -132,6 +147,7 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
   void say(const std::string& text) { EXPECT_EQ(::send(fd_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size())); }
+  void end() { EXPECT_EQ(::shutdown(fd_, SHUT_WR), 0); }
   std::string hear() {
     std::array<char, 4096> piece{};
     const ssize_t got = ::recv(fd_, piece.data(), piece.size(), 0);
@@ -160,6 +176,13 @@ TEST(RequestSocket, AnswersLinesHoweverTheyArrive) {
   client.say("o\n\nthree\n");
   socket.serve(echo);
   EXPECT_EQ(client.hear(), "<two>\n<three>\n");
+  // The last line of a client that has said all needs no end.
+  Client brief(folder.file("s"));
+  brief.say("four");
+  brief.end();
+  socket.serve(echo);
+  socket.serve(echo);
+  EXPECT_EQ(brief.hear(), "<four>\n");
   // A line without end is refused and the client closed.
   client.say(std::string(3000, 'x'));
   socket.serve(echo);

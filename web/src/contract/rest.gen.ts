@@ -419,6 +419,7 @@ export type FieldError = {
 };
 
 export type FigureChange = {
+  ends: TaskGoalOrNull;
   exercise: ExerciseOrNull;
   figure: string;
   first: number;
@@ -1090,7 +1091,7 @@ export type NewUser = {
 
 export type NoChange = 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
 
-export type NoFigure = 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
+export type NoFigure = 'no_exercise' | 'no_motion' | 'no_bout' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_turn_back' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop';
 
 export type NodeHealth = {
   /** Since its latest process data; null = longer than 2.5 s or never. */
@@ -1336,7 +1337,7 @@ export type ProfileRequest = {
 /** Names and values of parameters that a therapist may change. */
 export type ProfileSettings = Record<string, number>;
 
-export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'none_fits' | 'too_many' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'not_simulated' | 'no_simulator' | 'rehearsal_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
+export type ReasonCode = 'refused' | 'no_core' | 'busy' | 'role' | 'no_session' | 'invalid' | 'none_fits' | 'too_many' | 'exercise' | 'measurement' | 'message' | 'unknown' | 'not_now' | 'changed_meanwhile' | 'taken' | 'patient_chosen' | 'identity_key' | 'not_recording' | 'lease_free' | 'moving' | 'study_runs' | 'not_simulated' | 'no_simulator' | 'rehearsal_runs' | 'job_ended' | 'system_clock' | 'disk_full' | 'read_only' | 'storage' | 'internal' | 'wrong_secret' | 'too_soon' | 'sign_in_over' | 'set_up_first' | 'pin_not_here' | 'no_account' | 'not_found' | 'set_up_closed' | 'wrong_code' | 'accounts' | 'core_absent' | 'core_silent' | 'core_gone' | 'core_taken' | 'core_build' | 'core_refused' | 'core_unreachable' | 'no_exercise' | 'no_motion' | 'no_bout' | 'part_missing' | 'several_walks' | 'start_unclear' | 'not_comparable' | 'too_short' | 'no_lap' | 'few_strides' | 'no_rhythm' | 'no_turn' | 'no_turn_back' | 'no_lead' | 'too_long' | 'not_recorded' | 'no_task' | 'task_unfinished' | 'not_from_start' | 'not_led' | 'settings_changed' | 'no_start' | 'no_stop' | 'one_visit' | 'few_repeats' | 'within_noise' | 'few_walks' | 'no_slope';
 
 export type Recording = {
   detail: string;
@@ -1790,6 +1791,14 @@ export type Task = {
 /** What ends it: so many times along its line, seconds since the first movement, radians turned, metres away and back, or the therapist. */
 export type TaskEnd = 'distance' | 'time' | 'turn' | 'back' | 'hand';
 
+/** What ended the task when it was walked; null: no task. */
+export type TaskGoalOrNull = null | {
+  by: TaskEnd;
+  edge_m: number;
+  /** Times along the line, seconds, radians, metres. */
+  goal: number;
+};
+
 export type TaskList = {
   items: readonly Task[];
 };
@@ -1906,9 +1915,9 @@ export type ToolsRequest = {
 export type TopicName = 'state' | 'motion' | 'pose' | 'posture' | 'intent' | 'exercise' | 'power' | 'calibration' | 'all';
 
 export type Trend = {
-  /** Newest value of this page against the first one of all, of each figure, within one exercise and task. */
+  /** Newest value of this page against the first one of all, of each figure, within one exercise, task and goal. */
   changes: readonly FigureChange[];
-  /** The first walk of each exercise and task among the items, where it is older than this page; newest first. */
+  /** The first walk of each exercise, task and goal among the items, where it is older than this page; newest first. */
   firsts: readonly TrendItem[];
   items: readonly TrendItem[];
   next: string | null;
@@ -2030,6 +2039,7 @@ export type TrendFigures = {
 
 export type TrendItem = {
   day: string;
+  ends: TaskGoalOrNull;
   exercise: ExerciseOrNull;
   /** null: the recording cannot be read. */
   figures: TrendFigures | null;
@@ -2041,7 +2051,7 @@ export type TrendItem = {
   reasons: Record<string, NoFigure>;
   session: number;
   started_utc_ms: number;
-  /** Name of the task that it is a repetition of; walks are compared within one exercise and task. */
+  /** Name of the task that it is a repetition of; walks are compared within one exercise, task and goal. */
   task: string | null;
   visit: number;
 };
@@ -2584,7 +2594,7 @@ export interface Routes {
     body: SignInRequest;
     answer: WhoAmI;
   };
-  /** Changes one's own password; other devices are signed out. */
+  /** Changes one's own password; the PIN is removed and other devices are signed out. */
   'PUT /api/v1/session/password': {
     body: PasswordChange;
     answer: Done;
@@ -2596,7 +2606,7 @@ export interface Routes {
   };
   /** Recorded sessions, newest first. */
   'GET /api/v1/sessions': {
-    query?: { limit?: number; cursor?: string; q?: string; standby?: number };
+    query?: { limit?: number; cursor?: string; q?: string; patient?: number; standby?: number };
     answer: SessionList;
   };
   /** Deletes a session with everything in it. */
@@ -2784,7 +2794,7 @@ export interface Routes {
     body: NewUser;
     answer: User;
   };
-  /** Changes name on screen, role or password, or disables an account, which signs it out; accounts are never deleted, since records name them. */
+  /** Changes name on screen, role or password, or disables an account; disabling and a new password sign it out, and a new password removes its PIN; accounts are never deleted, since records name them. */
   'PATCH /api/v1/users/{name}': {
     path: { name: string };
     body: UserPatch;

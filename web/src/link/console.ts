@@ -12,7 +12,7 @@ import { causeReader } from './speed_cause';
 import { Link, replyLost, type Question, type Reply, type Told } from './socket';
 import { openTicketed } from './ticketed';
 import { wants } from './wants';
-import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice } from './store';
+import { moving, stopped, store, writable, type Emergency, type LogLine, type Notice, type State } from './store';
 
 const late_ms = 500;
 const gone_ms = 1000;
@@ -38,7 +38,6 @@ const link = new Link(
         void askWho();
       } else writable.set({ link: state, lease: { ...store.value.lease, mine: false } });
     },
-    rtt: (rtt_s) => writable.set({ rtt_s }),
     binary: takeFrame,
     text: takeText,
     refused: () => void checkSignedIn(),
@@ -87,8 +86,8 @@ function takeFrame(buffer: ArrayBuffer): void {
   const newest = frame.samples.at(-1);
   if (newest === undefined || performance.now() < answerBy_ms) return;
   live.take(frame.samples, frame.topics, performance.now());
-  writable.set({ data: 'fresh', dataAge_s: 0, ...slowPart(newest) });
-  if (stoppedModes.has(newest.mode)) stopSeen();
+  writable.set({ ...age(), ...slowPart(newest) });
+  if (stoppedModes.has(newest.mode)) endStop(false);
   // The message of a failed STOP ends once the hoist stands and no mode leads it.
   else if (store.value.stopFailed && newest.standing_still === 1 && !moving(store.value.mode)) writable.set({ stopFailed: false });
 }
@@ -259,17 +258,20 @@ export function notify(level: Notice['level'], text: string, plain = false): voi
   window.setTimeout(() => writable.set({ notices: store.value.notices.filter((notice) => notice.id !== id) }), noticeFor_ms);
 }
 
-function checkAge(): void {
-  if (live.record === null) return;
-  const age_ms = performance.now() - live.received_ms;
+/** How old is what is shown: since it came, or as long as the round trip, whose half it may have taken to come. The sum would be exceeded by a WiFi
+ * with short bursts of delay. */
+function age(): Partial<State> {
+  const { rtt_s } = link;
+  if (live.record === null) return { rtt_s };
+  const age_ms = Math.max(performance.now() - live.received_ms, (rtt_s ?? 0) * 1000);
   const data = age_ms > gone_ms ? 'gone' : age_ms > late_ms ? 'late' : 'fresh';
-  writable.set({ data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 });
+  return { rtt_s, data, dataAge_s: data === 'fresh' ? 0 : Math.floor(age_ms / 100) / 10 };
 }
 
 export function startLink(): void {
   wants.onChange(changeStream);
   link.start();
-  window.setInterval(checkAge, ageCheck_ms);
+  window.setInterval(() => writable.set(age()), ageCheck_ms);
   document.addEventListener('visibilitychange', () => {
     if (!document.hidden) link.hurry();
   });
@@ -283,32 +285,29 @@ export function reconnect(): void {
 }
 
 // ------------------------------------------------------------------------------------------------ actions of screens
-let stopTimer: number | null = null;
-let stopLeft = 0;
+let stopTimer = 0;
 
-/** STOP. Sent at once, and repeated, also over plain HTTP, until the hoist reports the stop. */
+/** STOP. Sent at once, and repeated, also over plain HTTP, until the hoist reports the stop. A press meanwhile goes over both, and does not delay
+ * the repetition or the report that STOP failed. */
 export function stop(): void {
-  writable.set({ stopSent: true, stopFailed: false });
-  stopLeft = stopTries;
-  sendStop();
-}
-
-function sendStop(): void {
-  const sent = link.send({ type: 'stop' });
-  if (!sent || stopLeft < stopTries) void rest('POST /api/v1/stop').then((answer) => answer.ok && stopSeen());
-  if (stopTimer !== null) window.clearTimeout(stopTimer);
-  stopTimer = window.setTimeout(() => {
-    stopTimer = null;
-    if (!store.value.stopSent) return;
-    if (--stopLeft > 0) sendStop();
-    else writable.set({ stopSent: false, stopFailed: true });
+  const again = store.value.stopSent;
+  sendStop(again);
+  if (again) return;
+  writable.set({ stopSent: true });
+  let left = stopTries;
+  stopTimer = window.setInterval(() => {
+    if (--left > 0) sendStop(true);
+    else endStop(true);
   }, stopAgain_ms);
 }
 
-function stopSeen(): void {
-  if (stopTimer !== null) window.clearTimeout(stopTimer);
-  stopTimer = null;
-  writable.set({ stopSent: false, stopFailed: false });
+function sendStop(http: boolean): void {
+  if (!link.send({ type: 'stop' }) || http) void rest('POST /api/v1/stop').then((answer) => answer.ok && endStop(false));
+}
+
+function endStop(stopFailed: boolean): void {
+  window.clearInterval(stopTimer);
+  writable.set({ stopSent: false, stopFailed });
 }
 
 /** The newest time stamp seen: driving commands echo it, so that old ones are recognised. */

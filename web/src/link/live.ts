@@ -38,6 +38,11 @@ export class Live {
     if (samples.length > 0) this.received_ms = now_ms;
   }
 
+  /** Distance since the start mark. Before the first motion it is none: until the next start the hoist still counts the walk of another patient. */
+  walked_m(record: { distance_m: number }): number {
+    return this.motion_s === 0 ? 0 : record.distance_m;
+  }
+
   /** The newest sample, unless it lacks a topic: a screen that has just opened waits for its first one. */
   with<T extends TopicName>(...wanted: readonly T[]): SampleOf<T> | null {
     if (this.topics[0] !== 'all' && wanted.some((topic) => topic !== 'state' && !this.topics.includes(topic))) return null;

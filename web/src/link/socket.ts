@@ -38,7 +38,6 @@ export interface LinkEvents {
   state(state: LinkState): void;
   text(message: Told): void;
   binary(buffer: ArrayBuffer): void;
-  rtt(rtt_s: number | null): void;
   /** The socket was refused or broke before it opened; the page checks whether it is still signed in. */
   refused(): void;
 }
@@ -46,7 +45,7 @@ export interface LinkEvents {
 export const subprotocol = 'hoist.v1';
 export const backOffFirst_ms = 250;
 export const backOffLast_ms = 2000;
-/** Telemetry comes 20 times a second: silence this long means a dead connection, whatever the socket's state. */
+/** Telemetry comes 5 times a second: silence this long, or no answer to a ping, means a dead connection, whatever the socket's state. */
 export const silence_ms = 2500;
 export const openWithin_ms = 4000;
 export const ping_ms = 1000;
@@ -63,6 +62,9 @@ export class Link {
   private retryTimer: number | null = null;
   private beatTimer: number | null = null;
   private heard_ms = 0;
+  /** When the unanswered pings were sent, oldest first. */
+  private pings: number[] = [];
+  private answered_ms: number | null = null;
   private opened_ms = 0;
   private wasOpen = false;
   private stopped = false;
@@ -106,6 +108,16 @@ export class Link {
     if (this.socket === null || this.state_ !== 'open') return false;
     this.socket.send(JSON.stringify(message));
     return true;
+  }
+
+  /** The newest round trip; longer while an answer is overdue, since either direction may be dead. Null: none is known. */
+  get rtt_s(): number | null {
+    return this.answered_ms === null && this.pings.length === 0 ? null : Math.max(this.answered_ms ?? 0, this.unanswered_ms()) / 1000;
+  }
+
+  private unanswered_ms(): number {
+    const now_ms = this.host.now_ms();
+    return now_ms - (this.pings[0] ?? now_ms);
   }
 
   /** Bytes not yet sent by the browser: more than a few driving commands means a stalled link. */
@@ -207,7 +219,8 @@ export class Link {
       return;
     }
     if (known.type === 'pong') {
-      this.events.rtt(Math.max(0, this.host.now_ms() - known.t) / 1000);
+      this.answered_ms = this.host.now_ms() - known.t;
+      this.pings = this.pings.filter((sent_ms) => sent_ms > known.t);
       return;
     }
     // A welcome means that the server took us in: only then does the next loss start with a short wait again.
@@ -219,7 +232,7 @@ export class Link {
     this.beatTimer = null;
     if (this.socket === null) return;
     const now_ms = this.host.now_ms();
-    const dead = this.wasOpen ? now_ms - this.heard_ms > silence_ms : now_ms - this.opened_ms > openWithin_ms;
+    const dead = this.wasOpen ? Math.max(now_ms - this.heard_ms, this.unanswered_ms()) > silence_ms : now_ms - this.opened_ms > openWithin_ms;
     if (dead) {
       const socket = this.socket;
       this.drop();
@@ -227,7 +240,7 @@ export class Link {
       this.again();
       return;
     }
-    if (this.state_ === 'open') this.send({ type: 'ping', t: now_ms });
+    if (this.send({ type: 'ping', t: now_ms })) this.pings.push(now_ms);
     this.beatTimer = this.host.setTimer(() => this.beat(), ping_ms);
   }
 
@@ -244,7 +257,8 @@ export class Link {
     this.late.clear();
     if (socket !== null && this.stopped) socket.close();
     for (const request of [...this.waiting.keys()]) this.settle(request, replyLost);
-    this.events.rtt(null);
+    this.pings = [];
+    this.answered_ms = null;
     this.to('lost');
   }
 

@@ -38,8 +38,9 @@ export interface State {
   everOpen: boolean;
   signedIn: boolean;
   layoutDiffers: boolean;
+  /** Round trip; grows while an answer is overdue. */
   rtt_s: number | null;
-  /** Age of the newest record: fresh, or late (over 0.5 s), or gone (over 1 s), or none yet. */
+  /** Age of what is shown: fresh, or late (over 0.5 s), or gone (over 1 s), or none yet. */
   data: 'none' | 'fresh' | 'late' | 'gone';
   dataAge_s: number;
   client: number | null;

@@ -83,8 +83,9 @@ export function plain(value: number): string {
   return minus(new Intl.NumberFormat(locale(), { maximumSignificantDigits: 4, useGrouping: false }).format(value));
 }
 
-/** A number with its unit; degrees follow without a space. */
-export const withUnit = (number: string, unit: string): string => (unit === '°' || unit === '' ? `${number}${unit}` : `${number} ${unit}`);
+/** A number with its unit; degrees follow without a space, and what is not a number has no unit. */
+export const withUnit = (number: string, unit: string): string =>
+  number === noValue ? number : unit === '°' || unit === '' ? `${number}${unit}` : `${number} ${unit}`;
 export const quantity = (value: number | null | undefined, decimals: number, unit: string): string => withUnit(fixed(value, decimals), unit);
 
 export const toDegrees = (rad: number): number => (rad * 180) / Math.PI;
@@ -92,9 +93,13 @@ export const toDegrees = (rad: number): number => (rad * 180) / Math.PI;
 export const degrees = (rad: number | null | undefined, decimals = 1): string =>
   rad === null || rad === undefined ? noValue : `${fixed(toDegrees(rad), decimals)}°`;
 
-/** Reads what a person typed: comma or point, minus sign of any kind. NaN when it is not a number. */
+/** Reads what a person typed: comma or point, minus sign of any kind. NaN when it is not a number, or when the language also reads it as
+ * thousands: "1.000" in German, "1,000" in English. */
 export function readNumber(text: string): number {
-  const tidy = text.trim().replace('−', '-').replace(',', '.');
+  const typed = text.trim().replace('−', '-');
+  const thousands = /^[-+]?[1-9]\d?\d?([.,])\d{3}$/.exec(typed)?.[1];
+  if (thousands === (settings.value.language === 'de' ? '.' : ',')) return NaN;
+  const tidy = typed.replace(',', '.');
   return /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(tidy) ? Number(tidy) : NaN;
 }
 

@@ -33,18 +33,21 @@ export function levelOf(alarms: readonly Sounding[], sounding: readonly string[]
 const perSecond_ms = 1000;
 const clock = (left_s: number) => `${Math.floor(left_s / 60)}:${String(left_s % 60).padStart(2, '0')}`;
 
+/** Outlives the button: who signs in after another person need not tap once more to hear alarms. */
+const sound = new AlarmSound(
+  () => new AudioContext(),
+  { after: (call, delay_ms) => window.setTimeout(call, delay_ms), cancel: (timer) => window.clearTimeout(timer) },
+  () => changed(),
+);
+let changed = () => {};
+
 export function SoundButton({ alarms }: { alarms: readonly Sounding[] }) {
   const [, again] = useReducer((n: number) => n + 1, 0);
   const role = useStore((s) => s.role);
   const hoistSound = useStore((s) => s.alarmSound);
   const hoistPause_s = useStore((s) => s.alarmPause_s);
   const own = useRef(new OwnPause()).current;
-  const sound = useRef<AlarmSound | null>(null);
-  sound.current ??= new AlarmSound(
-    () => new AudioContext(),
-    { after: (call, delay_ms) => window.setTimeout(call, delay_ms), cancel: (timer) => window.clearTimeout(timer) },
-    () => again(0),
-  );
+  changed = () => again(0);
   // A viewer may not silence the hoist, but this screen.
   const viewer = role === 'viewer';
   const mine = alarms.filter((alarm) => viewer || !alarm.hoist).map((alarm) => alarm.id);
@@ -54,15 +57,15 @@ export function SoundButton({ alarms }: { alarms: readonly Sounding[] }) {
   const level = levelOf(alarms, [...heard, ...others], hoistSound);
   const left_s = Math.ceil(Math.max(own.left_s(now_ms), alarms.some((alarm) => alarm.hoist) ? hoistPause_s : 0));
 
-  useEffect(() => sound.current!.play(level), [level]);
+  useEffect(() => sound.play(level), [level]);
   useEffect(() => {
-    const unlock = () => sound.current!.unlock();
+    const unlock = () => sound.unlock();
     window.addEventListener('pointerup', unlock, true);
     window.addEventListener('keydown', unlock, true);
     return () => {
       window.removeEventListener('pointerup', unlock, true);
       window.removeEventListener('keydown', unlock, true);
-      sound.current!.play(null);
+      sound.play(null);
     };
   }, []);
   const counts = left_s > 0;
@@ -83,7 +86,7 @@ export function SoundButton({ alarms }: { alarms: readonly Sounding[] }) {
   };
 
   // The tap itself lets sound begin; the button only says so.
-  if (sound.current.blocked)
+  if (sound.blocked)
     return (
       <button type="button" class="quiet sound" aria-label={t('sound.off')}>
         <Icon name="silent" />

@@ -1,6 +1,6 @@
 // The one button that starts a motion and ends it; beside it the one that starts an exercise again.
 import { useRef } from 'preact/hooks';
-import { useReading } from '../link/live';
+import { live, useReading } from '../link/live';
 import { endMotion } from '../link/console';
 import { useReadiness, type Start } from '../link/readiness';
 import type { Reply } from '../link/socket';
@@ -29,7 +29,7 @@ export function StartEnd({ request, of, startLabel, endLabel, start, wait = fals
   const { led } = ready;
   const firm = useRef(new FirmStart());
   firm.current.show(led, performance.now());
-  const underWay = useReading('motion', (record) => record !== null && record.distance_m > underWay_m);
+  const underWay = useReading('motion', (record) => record !== null && live.walked_m(record) > underWay_m);
   const cannotStart = request.busy || wait || ready.start[of].length > 0;
   const click = (again: boolean) => {
     if (led) void request.ask(endMotion);

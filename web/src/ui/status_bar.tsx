@@ -93,6 +93,7 @@ function Control() {
   const mine = lead === 'mine';
   const who = useStore((s) => nameOf(s.lease.actor));
   const free = lead === 'nobody' && led && may;
+  const mayGive = mine && !led;
   const value =
     lead === 'other' && who !== null
       ? who
@@ -100,10 +101,10 @@ function Control() {
         ? noValue
         : t(({ mine: 'bar.controlMine', other: 'bar.controlOther', nobody: 'bar.controlNobody' } as const)[lead]);
   return (
-    <div class={free ? 'bar-item control free' : 'bar-item control'}>
+    <div class={free || mayGive ? 'bar-item control with-button' : 'bar-item control'}>
       <span class="bar-label">{t('bar.control')}</span>
       <span class="bar-value">{value}</span>
-      <button type="button" class="link-button" hidden={!mine || led} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
+      <button type="button" class="link-button" hidden={!mayGive} aria-label={t('bar.giveBack')} onClick={() => void releaseLease()}>
         {t('bar.giveBackShort')}
       </button>
       {/* Of a hoist that is led, whose console has gone: there is no Start to take control with. */}

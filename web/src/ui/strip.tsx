@@ -73,16 +73,9 @@ export function Strip() {
   if (failed) add('stop', 'high', t('stop.failed'));
   if (layout) add('layout', 'high', t('strip.layout'), t('strip.layoutAction'));
   if (!signedIn) add('signedOut', 'high', t('strip.signedOut'), t('strip.signedOutAction'));
-  else if (ever && link !== 'open' && data !== 'fresh')
-    add(
-      'link',
-      'high',
-      data === 'none' ? t('strip.lost') : `${t('strip.lost')} · ${t('strip.noData', { s: fixed(age_s, 0) })}`,
-      t('strip.lostAction'),
-    );
   else if (link === 'open' && core === false)
     add('core', 'high', t('strip.core'), [reasonText(reason), t('strip.coreAction')].filter((text) => text !== null).join(' '));
-  else if (link === 'open' && data === 'gone') add('data', 'high', t('strip.noData', { s: fixed(age_s, 0) }), t('strip.lostAction'));
+  else if (link === 'open' ? data === 'gone' : ever && data !== 'fresh') add('link', 'high', t('strip.lost'), t('strip.lostAction'));
   const device: Partial<Record<FaultName, string | null>> = { node_duplicate: deviceOfNode(duplicateId), node_babbling: deviceOfCan(babblingId) };
   if (data !== 'gone' && data !== 'none')
     for (const { fault, text, action, consequenceOf } of toldFaults(bits, stopCause, JSON.parse(codes) as FaultCodes)) {
@@ -145,7 +138,9 @@ export function Strip() {
           </span>
         )}
         <span ref={line} class="strip-words">
-          <strong>{first.text}</strong> <span>{first.action}</span>
+          <strong>{first.text}</strong> {/* Not read aloud: the whole sentence would be read again each second. */}
+          {first.id === 'link' && data !== 'none' ? <strong aria-hidden="true">· {t('strip.noData', { s: fixed(age_s, 0) })} </strong> : null}
+          <span>{first.action}</span>
         </span>
       </div>
       {openable ? (

@@ -98,6 +98,8 @@ std::vector<double> column(const LedSession& session, double LedStep::*member) {
   return out;
 }
 
+/// Standard deviation of the mean of 30 to 120 strides whose variation is 1 (StrideSeries: 0.53 to 0.39).
+constexpr double kMeanWanders_norm = 0.45;
 /// More than this the warped phase would run backward.
 constexpr double kMostLimp_norm = 1.0;
 
@@ -132,13 +134,14 @@ double limp_of(double asymmetry_norm) {
 Gait fit_gait(const LedSession& session, PatientParams& patient) {
   Gait gait;
   patient.stride_hz = 1.0 / session.stride_s - patient.stride_hz_per_m_s * session.mean_speed_m_s();
-  // The error that the figure of cadence is held to on walks of known truth: a step a minute.
-  // A stride unlike the next makes both figures uncertain: twice the standard error of the mean, because strides wander over many.
-  const double wander_norm = 2.0 * session.stride_cv_norm * std::sqrt(session.stride_s / session.led_s());
-  gait.stride_hz_spread = std::hypot(1.0 / 120.0, wander_norm / session.stride_s);
+  // The error that the figure of cadence is held to on walks of known truth: a step a minute. Strides wander over hundreds of them
+  // (firmware/sim/PATIENTS.md), so that the mean of a walk is off by a share of their variation that hardly falls with its length.
+  gait.stride_hz_spread = std::hypot(1.0 / 120.0, kMeanWanders_norm * session.stride_cv_norm / session.stride_s);
   patient.limp_norm = session.asymmetry_norm ? limp_of(*session.asymmetry_norm) : 0.0;
-  // Two points, likewise. Without enough strides: what people show.
-  gait.limp_spread = session.asymmetry_norm ? std::hypot(0.02, 2.0 * wander_norm) : 0.1;
+  // Two points; and four times the standard error of a stride, because it compares two parts of the same one, which wander together. Without
+  // enough strides: what people show.
+  const double stride_norm = session.stride_cv_norm * std::sqrt(session.stride_s / session.led_s());
+  gait.limp_spread = session.asymmetry_norm ? std::hypot(0.02, 4.0 * stride_norm) : 0.1;
   gait.half_stride = db::samples_in(session.stride_s / 2);
   return gait;
 }

@@ -183,6 +183,7 @@ function Entry({
   const square = step === 'square';
   const measured = directed(figure, back);
   const [x_cm, y_cm] = [x, y].map(({ text, reversed }) => directed(text, reversed)) as [number, number];
+  const unclear = [figure, x.text, y.text].some((text, i) => text.trim() !== '' && Number.isNaN([measured, x_cm, y_cm][i]));
   const ready = (square ? [measured, x_cm, y_cm] : [measured]).every((value) => Number.isFinite(value)) && measured !== 0;
   const turns = step === 'strut_spacing' || step === 'track' || square;
   const send = async () => {
@@ -219,6 +220,11 @@ function Entry({
       <button type="submit" class="primary big" disabled={!ready || busy}>
         {t('calibrate.measure')}
       </button>
+      {unclear ? (
+        <p class="form-error" role="alert">
+          {t('tune.number')}
+        </p>
+      ) : null}
     </form>
   );
 }

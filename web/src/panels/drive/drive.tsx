@@ -1,6 +1,7 @@
 // The therapist drives: take control, hold the joystick, let go to stop.
 import { useEffect, useRef } from 'preact/hooks';
 import { requestMode, setParameters } from '../../link/console';
+import { live } from '../../link/live';
 import { useReadiness } from '../../link/readiness';
 import { figure, useStore } from '../../link/store';
 import { useSettings } from '../../text/settings';
@@ -105,7 +106,7 @@ export function DriveView() {
         <StartEnd
           request={request}
           of="remote"
-          startLabel={t('drive.take')}
+          startLabel={t('drive.start')}
           endLabel={t(driving ? 'drive.end' : 'walk.end')}
           // Only a chosen task is driven along its line, and not away from a bumper (decision 72).
           start={() => requestMode('remote', task === null || bumpers !== 0 ? null : exercise)}
@@ -116,7 +117,7 @@ export function DriveView() {
       <TaskStrip />
       <div class="drive-body">
         <section class="card stick-card">
-          <Joystick active={active} locked={driving ? lockedText(ready, rtt_s) : t('drive.locked')} />
+          <Joystick active={active} locked={driving ? lockedText(ready, rtt_s) : t('drive.first')} />
           <SlowLink calm={t('drive.keys')} />
         </section>
         <section class="card floor-card drive-floor">
@@ -131,7 +132,7 @@ export function DriveView() {
               topic="pose"
               read={(r) => fixed(toDegrees(Math.atan2(Math.sin(r.fused_psi_rad), Math.cos(r.fused_psi_rad))), 0)}
             />
-            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(r.distance_m, 1)} />
+            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(live.walked_m(r), 1)} />
           </div>
         </section>
       </div>

@@ -4,7 +4,7 @@ import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Patient, Person, Session, VisitRow } from '../../contract/rest.gen';
 import { choosePatient, notify } from '../../link/console';
 import { useQuery } from '../../link/query';
-import { address, rest, type Answer, type Problem } from '../../link/rest';
+import { address, rest, wholeList, type Answer, type Problem } from '../../link/rest';
 import { useReadiness } from '../../link/readiness';
 import { useStore } from '../../link/store';
 import { addressOf, go } from '../../router';
@@ -23,8 +23,6 @@ import { TrendCard } from './trend';
 import '../../ui/rows.css';
 import './patients.css';
 
-const visitsMost = 200;
-const sessionsMost = 200;
 const confirmHold_ms = 2000;
 const notFound = 404;
 const nameMost = 100;
@@ -102,7 +100,7 @@ function PatientPage({ id }: { id: number }) {
       </section>
       <div class="patient-side">
         <TrendCard patient={id} again={recording} />
-        <Visits id={id} code={patient.code} again={recording} may={may} />
+        <Visits id={id} again={recording} may={may} />
         <Profiles patient={id} may={may} />
       </div>
       <div class="patient-side">
@@ -213,10 +211,10 @@ function IdentityCard({ patient, onChange }: { patient: Patient; onChange: () =>
   );
 }
 
-function Visits({ id, code, again, may }: { id: number; code: string; again: string; may: boolean }) {
+function Visits({ id, again, may }: { id: number; again: string; may: boolean }) {
   const { language } = useSettings();
-  const visits = useQuery(() => rest('GET /api/v1/visits', { query: { patient: id, limit: visitsMost } }), [id, again]);
-  const sessions = useQuery(() => rest('GET /api/v1/sessions', { query: { q: code, limit: sessionsMost } }), [code, again]);
+  const visits = useQuery(() => wholeList((query) => rest('GET /api/v1/visits', { query: { ...query, patient: id } })), [id, again]);
+  const sessions = useQuery(() => wholeList((query) => rest('GET /api/v1/sessions', { query: { ...query, patient: id } })), [id, again]);
   const titleOf = useTaskTitles();
   const known = new Map((sessions.value?.items ?? []).map((session) => [session.id, session]));
   return (

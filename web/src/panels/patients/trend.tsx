@@ -7,7 +7,7 @@ import { addressOf } from '../../router';
 import { exerciseRow, exerciseTitle } from '../../text/exercise';
 import { reasonText } from '../../text/server';
 import { tasks as texts } from '../../text/tasks';
-import { addTexts, dayText, fixed, plain, t, withUnit, words } from '../../text/text';
+import { addTexts, dayText, duration, fixed, plain, t, withUnit, words } from '../../text/text';
 import { ownPath } from '../../ui/own_line';
 import { Trouble } from '../../ui/field';
 import { useTaskTitles } from '../../ui/task_titles';
@@ -86,9 +86,19 @@ export function TrendCard({ patient, again }: { patient: number; again: string }
   );
 }
 
-/** "Square, 3.2 m, left": the task or exercise with its sizes and direction, since each is another one. */
-export function walkedText({ exercise, task, line }: Walked, titleOf: (task: string) => string): string {
-  if (exercise?.shape === 'own') return [line ?? exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 2), 'm')].join(', ');
+/** Of a task with a goal that is chosen. */
+function goalTexts(ends: Walked['ends']): string[] {
+  if (ends === null) return [];
+  const { by, goal } = ends;
+  if (by === 'time') return [`${duration(goal)} min`];
+  if (by === 'back') return [withUnit(plain(goal), 'm')];
+  return by === 'distance' && goal !== 1 ? [t('task.laps', { n: goal })] : [];
+}
+
+/** "Square, 3.2 m, left, 2 laps": the task or exercise with its sizes, direction and goal, since each is another one. */
+export function walkedText({ exercise, task, ends, line }: Walked, titleOf: (task: string) => string): string {
+  if (exercise?.shape === 'own')
+    return [line ?? exerciseTitle('own'), withUnit(fixed(ownPath(exercise).length_m, 2), 'm'), ...goalTexts(ends)].join(', ');
   const sizes = Object.entries(exercise ?? {}).flatMap(([name, value]) =>
     name.endsWith('_m') && typeof value === 'number' && value > 0 ? [withUnit(plain(value), 'm')] : [],
   );
@@ -96,7 +106,7 @@ export function walkedText({ exercise, task, line }: Walked, titleOf: (task: str
   const clockwise = exercise !== null && 'clockwise' in exercise && exercise.clockwise === true;
   // An eight begins with the right loop, every other figure turns left.
   const side = exerciseRow(shape).turned ? [t(clockwise === (shape === 'eight') ? 'guided.left' : 'guided.right')] : [];
-  return [task === null ? exerciseTitle(shape) : titleOf(task), ...sizes, ...side].join(', ');
+  return [task === null ? exerciseTitle(shape) : titleOf(task), ...sizes, ...side, ...goalTexts(ends)].join(', ');
 }
 
 /** A value in the figure's screen unit, as everywhere. */

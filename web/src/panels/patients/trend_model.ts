@@ -4,9 +4,9 @@ import type { Trend } from '../../contract/rest.gen';
 
 export type TrendItem = Trend['items'][number];
 
-/** What was walked: only walks of the same exercise and the same task are compared. Own lines are compared by their points, not by name. */
-export type Walked = Pick<TrendItem, 'exercise' | 'task' | 'line'>;
-export const walkedKey = ({ exercise, task }: Pick<Walked, 'exercise' | 'task'>): string => JSON.stringify([exercise ?? { shape: 'free' }, task]);
+/** What was walked: only walks of the same exercise and of the same task with the same goal are compared. Own lines by their points, not by name. */
+export type Walked = Pick<TrendItem, 'exercise' | 'task' | 'ends' | 'line'>;
+export const walkedKey = ({ exercise, task, ends }: Omit<Walked, 'line'>): string => JSON.stringify([exercise ?? { shape: 'free' }, task, ends]);
 
 /** What was walked in a trend, the last one first: the newest walk of each. */
 export function walkedOf(items: readonly TrendItem[]): Map<string, TrendItem> {

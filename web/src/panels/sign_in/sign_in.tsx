@@ -21,9 +21,13 @@ type Person = WhoAmI['here'][number];
 
 export function SignInView({ done }: { done?: () => void }) {
   useSettings();
-  const [lost, setLost] = useState(false);
+  const [chosen, setChosen] = useState<'set up' | 'sign in' | null>(null);
   const who = useQuery(() => rest('GET /api/v1/session'), [], look_ms);
   const state = who.value;
+  // Accounts may exist before an engineer's: the computer's own link makes them.
+  const first = state?.set_up.needed === true;
+  const settable = state?.problem === null && (first || state.set_up.switch_on);
+  const settingUp = settable && (chosen === null ? first : chosen === 'set up');
   useEffect(() => offerLanguage(state?.device.language ?? null), [state?.device.language]);
   return (
     <div class="sign-in card">
@@ -41,14 +45,14 @@ export function SignInView({ done }: { done?: () => void }) {
           </p>
           <p class="hint">{state.problem}</p>
         </>
-      ) : state.set_up.needed || (lost && state.set_up.switch_on) ? (
-        <SetUp first={state.set_up.needed} set_up={state.set_up} />
+      ) : settingUp ? (
+        <SetUp first={first} set_up={state.set_up} />
       ) : (
         <Who people={state.here} done={done} />
       )}
-      {state !== null && !state.set_up.needed && state.set_up.switch_on && !lost ? (
-        <button type="button" class="quiet" onClick={() => setLost(true)}>
-          {t('setup.lost')}
+      {settable ? (
+        <button type="button" class="quiet" onClick={() => setChosen(settingUp ? 'sign in' : 'set up')}>
+          {t(settingUp ? 'signin.do' : first ? 'setup.title' : 'setup.lost')}
         </button>
       ) : null}
       <LanguageChoice />
@@ -59,7 +63,7 @@ export function SignInView({ done }: { done?: () => void }) {
 
 function Who({ people, done }: { people: readonly Person[]; done?: () => void }) {
   const [person, setPerson] = useState<Person | null>(null);
-  const [byName, setByName] = useState(false);
+  const [byName, setByName] = useState<string | null>(null);
   const ready = (problem: Problem | null) => {
     if (problem === null) done?.();
     return problem;
@@ -72,11 +76,12 @@ function Who({ people, done }: { people: readonly Person[]; done?: () => void })
         back={() => setPerson(null)}
         toPassword={() => {
           setPerson(null);
-          setByName(true);
+          setByName(person.user);
         }}
       />
     );
-  if (byName || people.length === 0) return <Password ready={ready} back={people.length === 0 ? null : () => setByName(false)} />;
+  if (byName !== null || people.length === 0)
+    return <Password user={byName ?? ''} ready={ready} back={people.length === 0 ? null : () => setByName(null)} />;
   return (
     <>
       <h1>{t('signin.who')}</h1>
@@ -89,15 +94,15 @@ function Who({ people, done }: { people: readonly Person[]; done?: () => void })
           </li>
         ))}
       </ul>
-      <button type="button" class="quiet" onClick={() => setByName(true)}>
+      <button type="button" class="quiet" onClick={() => setByName('')}>
         {t('signin.other')}
       </button>
     </>
   );
 }
 
-function Password({ ready, back }: { ready: (problem: Problem | null) => Problem | null; back: (() => void) | null }) {
-  const [name, setName] = useState('');
+function Password({ user, ready, back }: { user: string; ready: (problem: Problem | null) => Problem | null; back: (() => void) | null }) {
+  const [name, setName] = useState(user);
   const [password, setPassword] = useState('');
   const sending = useSending(async () => {
     const problem = ready(await signIn({ user: name.trim().toLowerCase(), password }));

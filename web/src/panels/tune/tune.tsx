@@ -15,7 +15,7 @@ import { HistoryCard } from './history';
 import '../../ui/motion.css';
 import './tune.css';
 
-/** Shortest interval between values sent by a moving slider. */
+/** Shortest interval between values sent by a slider: keys change it quickly. */
 const debounce_ms = 200;
 /** Length of a trial in motion. */
 const trial_s = 20;
@@ -118,15 +118,24 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
   const draw = (shown: number) => {
     begun.current ??= value;
     touches.current++;
-    drop(row.name);
     setSlide(shown);
+    // Rounding to the slider's steps must not push an end value out of its range.
+    drawn.current = Math.max(row.min, Math.min(row.max, shown / show.factor));
+  };
+  const release = () => {
+    const si = drawn.current;
+    if (si === null) return;
+    drop(row.name);
     setDraft(null);
     say(null);
     if (timer.current !== null) window.clearTimeout(timer.current);
-    // Rounding to the slider's steps must not push an end value out of its range.
-    const si = Math.max(row.min, Math.min(row.max, shown / show.factor));
-    drawn.current = si;
     timer.current = window.setTimeout(() => void apply(si), debounce_ms);
+  };
+  /** The browser has taken the touch for scrolling: it has moved the slider to the finger before that. */
+  const scrolled = () => {
+    if (timer.current !== null) window.clearTimeout(timer.current);
+    timer.current = drawn.current = begun.current = null;
+    setSlide(null);
   };
 
   const changed = Number.isFinite(value) && !same(value, row.default);
@@ -165,6 +174,8 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
           value={slide ?? (Number.isFinite(value) ? toShown(value) : min)}
           disabled={locked}
           onInput={(event) => draw(Number(event.currentTarget.value))}
+          onChange={release}
+          onPointerCancel={scrolled}
         />
         <span
           class="tune-default"
@@ -187,7 +198,7 @@ function Row({ row, role, standby, connected, taken: allTaken, drop }: RowsProps
           name={row.name}
           aria-describedby={error !== null ? `${id}-error ${id}-effect` : `${id}-effect`}
           aria-invalid={error !== null}
-          value={draft ?? (slide !== null ? plain(slide) : Number.isFinite(value) ? plain(toShown(taken ?? value)) : '')}
+          value={slide !== null ? plain(slide) : (draft ?? (Number.isFinite(value) ? plain(toShown(taken ?? value)) : ''))}
           disabled={locked}
           onInput={(event) => type(event.currentTarget.value)}
           onBlur={enter}

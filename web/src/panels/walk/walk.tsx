@@ -94,7 +94,7 @@ export function WalkView() {
           <HoistPicture />
           <div class="readings">
             <Reading label={t('walk.speed')} unit="m/s" topic="motion" read={(r) => fixed(r.speed_m_s, 2)} />
-            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(r.distance_m, 1)} />
+            <Reading label={t('walk.distance')} unit="m" topic="motion" read={(r) => fixed(live.walked_m(r), 1)} />
             <Time />
             <Reading label={t('walk.lean')} topic="posture" read={(r) => degrees((r.left_alpha_rad + r.right_alpha_rad) / 2 - r.base_alpha_rad)} />
             <Reading label={t('walk.turn')} unit="°/s" topic="motion" read={(r) => fixed((r.yaw_rate_rad_s * 180) / Math.PI, 0)} />
