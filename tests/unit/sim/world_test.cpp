@@ -7,6 +7,7 @@
 
 #include "control/contract/can_dictionary.hpp"
 #include "firmware/sim/motor_relay.hpp"
+#include "firmware/sim/stop_witness.hpp"
 #include "firmware/sim/world.hpp"
 #include "tests/unit/sim/scripted_host.hpp"
 
@@ -95,6 +96,23 @@ TEST(World, WronglyFittedDrivesTurnTheWrongWheelOrTheWrongWayAndDoNotKnow) {
     EXPECT_NEAR(world.plant().wheel_speed_m_s(Side::left), swapped ? 0.20 : -0.10, 0.02);
     EXPECT_NEAR(world.plant().wheel_speed_m_s(Side::right), swapped ? 0.10 : 0.20, 0.02);
   }
+}
+
+TEST(StopWitness, AWheelThatRocksBackIsAtRestAndOneThatRollsOnIsNot) {
+  StopWitness seen;
+  seen.command(0);
+  const auto look = [&seen](std::uint64_t ms, double wheel_m_s) { seen.look(ms * 1'000'000, false, wheel_m_s); };
+  look(1, 0.3);
+  look(400, 0.02);
+  EXPECT_FALSE(seen.at_rest_ns().has_value()) << "still on its way";
+  look(440, 0.009);
+  look(490, -0.028);
+  look(540, 0.0);
+  EXPECT_EQ(seen.at_rest_ns(), 440'000'000U);
+  look(600, -0.06);
+  EXPECT_FALSE(seen.at_rest_ns().has_value());
+  look(700, 0.0);
+  EXPECT_EQ(seen.at_rest_ns(), 700'000'000U);
 }
 
 TEST(World, DrivesFollowTheirCommand) {
