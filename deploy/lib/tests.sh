@@ -135,9 +135,9 @@ end_beside() {
   return "$status"
 }
 
-# What waits, above all a hoist that a browser drives, loses its time to what computes at the same priority. A user who runs at a lower priority
-# already may not raise it to 15: that is fine as well.
-give_way() { renice -n 15 "$BASHPID" >/dev/null 2>&1 || true; }
+# give_way NICENESS: what waits, above all a hoist that a browser drives, loses its time to what computes at the same priority. A user who runs at a
+# lower priority already may not raise it: that is fine as well.
+give_way() { renice -n "$1" "$BASHPID" >/dev/null 2>&1 || true; }
 
 # The longest two suites that walk in real time, or all of ctest, are over.
 real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] && [ -e "$1/gtest/system_processes.xml" ]; }; }
@@ -147,7 +147,7 @@ real_time_over() { [ -e "$1/ctest.ended" ] || { [ -e "$1/gtest/vcan_core.xml" ] 
 run_console_suites() {
   local results=$1 filter=$2 unit
   until real_time_over "$results"; do sleep 1; done
-  (give_way && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
+  (give_way 15 && run_web_tests "$results" "$filter") >"$results/unit.log" 2>&1 &
   unit=$!
   run_browser_tests "$results" "$filter"
   wait "$unit" || record_step "$results" failed web "the console's unit tests ended badly"

@@ -74,21 +74,25 @@ build_web
 HOIST_THOROUGH=yes HOIST_PROOFS=yes timed "C++ tests" run_ctest build "$normal" .
 begin_beside "$normal/web.log" timed "tests of the console" run_console_suites "$normal" .
 (
-  give_way
-  step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
-  step "chaos: 400 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 400
-  step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
+  give_way 15
   timed "build with AddressSanitizer" build_sanitized all proofs || record_step "$static" failed "sanitized build" "see above"
   timed "build with ThreadSanitizer" build_thread_tests "$threads"
 )
 end_beside || record_step "$normal" failed web "the tests of the console ended badly"
-# What ThreadSanitizer looks at waits more than it computes.
-begin_beside "$threads/ctest.log" timed "ThreadSanitizer" run_thread_tests "$threads"
+# What ThreadSanitizer looks at waits more than it computes, and the suites with AddressSanitizer leave a third of the processors idle.
+run_beside_sanitized() {
+  timed "ThreadSanitizer" run_thread_tests "$threads" || record_step "$threads" failed "ThreadSanitizer" "its tests ended badly"
+  give_way 19
+  step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
+  step "chaos: 400 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 400
+  step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
+}
+begin_beside "$static/beside.log" run_beside_sanitized
 (
-  give_way
+  give_way 10
   HOIST_PROOFS=yes timed "C++ tests with AddressSanitizer" run_ctest build/sanitize "$sanitized" .
 )
-end_beside || record_step "$threads" failed "ThreadSanitizer" "its tests ended badly"
+end_beside || record_step "$static" failed "what runs beside AddressSanitizer" "ended badly"
 say "it took:"
 sort -rn "$static/took.txt" >&2
 tally "$static" "$normal" "$sanitized" "$threads"

@@ -202,8 +202,9 @@ def prove(recipes, top):
     build = os.path.join(top, "build")
     jobs = str(max(1, os.cpu_count() or 1))
     ninja = ["nice", "ninja", "-C", "build", "-k", "0", "-j", jobs]
-    # Nothing of it runs for long.
-    run(["cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0"], top, "configuring the copy")
+    # Nothing of it runs for long. clang compiles it in about half of g++'s time (build_watched in deploy/lib/common.sh).
+    compiler = ["-DCMAKE_CXX_COMPILER=clang++", "-DCMAKE_CXX_FLAGS=-w"] if shutil.which("clang++") else []
+    run(["cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0", *compiler], top, "configuring the copy")
     run([*ninja, "hoist-gen"], top, "building hoist-gen")
     run(["build/bin/hoist-gen", "--top", top], top, "writing the generated files")
     run([*ninja, "recipe_proofs", "hoist-sim", *objects_of(recipes, top)], top, "building what the recipes changed")
