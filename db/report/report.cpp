@@ -335,8 +335,9 @@ Result<std::vector<TrendSession>> report_trend(Database& database, const Session
   const auto visits = VisitReader(database).of_sessions(std::span(&session.id, 1));
   if (!visits) return visits.error();
   if (visits->empty()) return std::vector<TrendSession>{};
-  auto page = trend_sessions(database, visits->begin()->second.patient_id,
-                             {.limit = kMost - 1, .before = session.id + 1, .comparable_to = session.id});
+  const Visit& visit = visits->begin()->second;
+  const WalkOrder behind{visit.day, session.started_utc_ns, session.id + 1};
+  auto page = trend_sessions(database, visit.patient_id, {.limit = kMost - 1, .before = behind, .comparable_to = session.id});
   if (!page) return page.error();
   std::ranges::move(page->firsts, std::back_inserter(page->items));
   return std::move(page->items);

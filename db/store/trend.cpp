@@ -1,7 +1,6 @@
 #include "db/store/trend.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -33,16 +32,15 @@ std::optional<TrendSession> walk_of(sqlite3* handle, SessionId session) {
   return TrendSession{.session = session, .day = {}, .exercise_json = row.optional_text_at(0)};
 }
 
-// `rows`: from the newest walk to the oldest.
-void read_page(Statement& rows, std::size_t limit, const std::optional<json>& wanted, TrendPage& page) {
+// `walks`: from the newest to the oldest.
+void fill_page(std::vector<TrendSession> walks, std::size_t limit, const std::optional<json>& wanted, TrendPage& page) {
   struct Kind {
     json walked;
     std::optional<TrendSession> oldest = {};          // behind the items
     std::map<std::int64_t, std::int64_t> walks = {};  // of each visit, so far
   };
   std::vector<Kind> kinds;
-  while (rows.step()) {
-    TrendSession session = session_at(rows);
+  for (TrendSession& session : walks) {
     json kind = walked_as(session);
     if (wanted && kind != *wanted) continue;
     auto known = std::ranges::find(kinds, kind, &Kind::walked);
@@ -52,13 +50,13 @@ void read_page(Statement& rows, std::size_t limit, const std::optional<json>& wa
     if (item) {
       page.items.push_back(std::move(session));
     } else {
-      page.next = page.items.back().session;
+      page.next = page.items.back().order();
       if (known != kinds.end()) known->oldest = std::move(session);
     }
   }
   for (Kind& kind : kinds)
     if (kind.oldest) page.firsts.push_back(std::move(*kind.oldest));
-  std::ranges::sort(page.firsts, std::ranges::greater{}, &TrendSession::session);
+  std::ranges::sort(page.firsts, std::ranges::greater{}, &TrendSession::order);
 }
 
 }  // namespace
@@ -93,10 +91,13 @@ Result<TrendPage> trend_sessions(Database& database, std::int64_t patient, const
         "simulated = ";
     if (Statement count(handle, "SELECT count(*) " + of_patient + "1"); count.integer(1, patient).step())
       page.simulated = count.unsigned_at(0);
-    Statement rows(handle, "SELECT sessions.id, visits.id, day, started_utc_ns, exercise " + of_patient +
-                               "0 AND sessions.id < ?2 ORDER BY sessions.id DESC");
-    rows.integer(1, patient).integer(2, query.before.value_or(std::numeric_limits<SessionId>::max()));
-    read_page(rows, query.limit, wanted, page);
+    std::vector<TrendSession> walks;
+    Statement rows(handle, "SELECT sessions.id, visits.id, day, started_utc_ns, exercise " + of_patient + "0");
+    rows.integer(1, patient);
+    while (rows.step())
+      if (TrendSession walk = session_at(rows); !query.before || walk.order() < *query.before) walks.push_back(std::move(walk));
+    std::ranges::sort(walks, std::ranges::greater{}, &TrendSession::order);
+    fill_page(std::move(walks), query.limit, wanted, page);
     return page;
   });
 }

@@ -9,6 +9,7 @@
 #include "db/store/database.hpp"
 #include "db/store/result.hpp"
 #include "db/store/session_types.hpp"
+#include "db/store/walk_order.hpp"
 
 namespace hoist::db {
 
@@ -20,6 +21,7 @@ struct TrendSession {
   std::optional<std::string> exercise_json;
   /// Among the comparable walks of its visit, with a figure or without: 0 is the newest one read, -1 the walk before it.
   std::int64_t place = 0;
+  [[nodiscard]] WalkOrder order() const { return {day, started_utc_ns, session}; }
 };
 
 /// What makes walks comparable: [exercise with its sizes, name of the task, {"by", "goal", "edge_m"} of its end]; both null without a task.
@@ -30,12 +32,12 @@ struct TrendSession {
 
 struct TrendQuery {
   std::size_t limit = 50;                       ///< 1 to kMaxPage
-  std::optional<SessionId> before = {};         ///< only older ones
+  std::optional<WalkOrder> before = {};         ///< only older ones
   std::optional<SessionId> comparable_to = {};  ///< only walks that may be compared with this one
 };
 struct TrendPage {
   std::vector<TrendSession> items;  ///< newest first
-  std::optional<SessionId> next;
+  std::optional<WalkOrder> next;
   /// The oldest walk comparable to each of the items, where it is no item itself; newest first, all older than the items.
   std::vector<TrendSession> firsts;
   std::uint64_t simulated = 0;  ///< ended recordings of this patient that were left out

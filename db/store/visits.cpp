@@ -5,6 +5,7 @@
 #include "db/store/patient_code.hpp"
 #include "db/store/session_reader.hpp"
 #include "db/store/sqlite.hpp"
+#include "db/store/walk_order.hpp"
 
 namespace hoist::db {
 namespace {
@@ -38,9 +39,11 @@ Result<std::map<SessionId, Visit>> VisitReader::of_sessions(std::span<const Sess
 
 namespace {
 void read_sessions(sqlite3* handle, VisitInfo& info) {
-  Statement session(handle, "SELECT id, standby FROM sessions WHERE visit_id = ?1 ORDER BY id");
+  Statement session(handle, "SELECT id, standby, started_utc_ns FROM sessions WHERE visit_id = ?1");
   session.integer(1, info.visit.id);
-  while (session.step()) (session.integer_at(1) != 0 ? info.standby : info.sessions).push_back(session.integer_at(0));
+  std::map<WalkOrder, bool> standby;
+  while (session.step()) standby[{info.visit.day, session.integer_at(2), session.integer_at(0)}] = session.integer_at(1) != 0;
+  for (const auto& [order, is_standby] : standby) (is_standby ? info.standby : info.sessions).push_back(order.session);
 }
 constexpr const char* kVisitRows =
     "SELECT visits.id, patient_id, code, day, visit_note FROM visits JOIN patients ON patients.id = patient_id WHERE ";

@@ -25,7 +25,7 @@ struct Visit {
 struct VisitInfo {
   Visit visit;
   std::string note;
-  std::vector<SessionId> sessions;  ///< walks, in the order of recording
+  std::vector<SessionId> sessions;  ///< walks, in the order of walk_order.hpp
   std::vector<SessionId> standby;   ///< what was recorded between them
   std::string tag;                  ///< of what people may write (edit_tag.hpp)
 };

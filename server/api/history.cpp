@@ -112,14 +112,38 @@ void list_alarms(const CallPtr& call) {
 }
 
 namespace {
+// "20261110-1794300000000000000-12", of a day YYYY-MM-DD.
+std::string text_of(const db::WalkOrder& order) {
+  std::string day = order.day;
+  std::erase(day, '-');
+  return day + "-" + std::to_string(order.started_utc_ns) + "-" + std::to_string(order.session);
+}
+
+// As text_of writes it. False: the call has failed.
+bool read_trend_cursor(const CallPtr& call, std::optional<db::WalkOrder>& before) {
+  constexpr std::size_t kDay_chars = 8;
+  const auto cursor = query(*call, "cursor");
+  if (!cursor || cursor->empty()) return true;
+  const std::string_view text = *cursor, day = text.substr(0, kDay_chars), rest = text.substr(day.size());
+  const std::size_t dash = rest.rfind('-');
+  const auto started = dash == 0 || dash == std::string_view::npos ? std::nullopt : number<std::int64_t>(rest.substr(1, dash - 1));
+  const auto session = started ? number<std::int64_t>(rest.substr(dash + 1)) : std::nullopt;
+  if (number<std::uint32_t>(day) && rest.starts_with('-') && session) {
+    before = {std::string(day.substr(0, 4)) + "-" + std::string(day.substr(4, 2)) + "-" + std::string(day.substr(6)), *started, *session};
+    if (text_of(*before) == text) return true;
+  }
+  call->fail(bad_query("cursor", "must be the `next` of an earlier answer", {}, {}));
+  return false;
+}
+
 // `entries`: those of the page's items, then of its firsts.
 json trend_json(const db::TrendPage& page, const std::vector<db::TrendEntry>& entries) {
   json items = json::array(), firsts = json::array(), changes = json::array();
   for (const db::TrendEntry& entry : entries)
-    (entry.session.session >= page.items.back().session ? items : firsts).push_back(db::trend_item_json(entry));
+    (entry.session.order() >= page.items.back().order() ? items : firsts).push_back(db::trend_item_json(entry));
   for (const db::FigureChange& change : db::changes_in(entries)) changes.push_back(db::change_json(change));
   return {{"items", std::move(items)},
-          {"next", next_json(page.next)},
+          {"next", page.next ? json(text_of(*page.next)) : json(nullptr)},
           {"firsts", std::move(firsts)},
           {"simulated_left_out", page.simulated},
           {"changes", std::move(changes)}};
@@ -129,7 +153,7 @@ json trend_json(const db::TrendPage& page, const std::vector<db::TrendEntry>& en
 void get_trend(const CallPtr& call) {
   const auto id = path_id(call, "patient");
   db::TrendQuery wanted{.limit = kTrendUsual};
-  if (!id || !read_limit(call, wanted.limit, kTrendMost) || !read_cursor(call, wanted.before) ||
+  if (!id || !read_limit(call, wanted.limit, kTrendMost) || !read_trend_cursor(call, wanted.before) ||
       !read_id(call, "comparable_to", wanted.comparable_to))
     return;
   using Page = db::Result<db::TrendPage>;

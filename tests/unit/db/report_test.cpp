@@ -40,11 +40,11 @@ struct Recorded {
   std::vector<SessionId> sessions;
 
   void walk(std::string subject, std::string note, bool simulated = false,
-            std::string exercise = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})") {
+            std::string exercise = R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})", std::optional<double> after_days = {}) {
     const auto seed = static_cast<std::uint32_t>(sessions.size() + 1);
     SessionStart start;
     start.subject = std::move(subject);
-    start.started_utc_ns = kStartUtc_ns + static_cast<std::int64_t>(seed) * 86'400'000'000'000;
+    start.started_utc_ns = kStartUtc_ns + static_cast<std::int64_t>(after_days.value_or(seed) * 86'400e9);
     start.start_time_ns = kStart_ns;
     start.software_version = "1.0";
     start.note = std::move(note);
@@ -270,6 +270,44 @@ TEST(Report, ASimulatedSessionSaysSoAndHasNoProgress) {
   EXPECT_NE(r.report(r.sessions[2]).find("Simulation: nobody walked."), std::string::npos);
   EXPECT_EQ(r.report(r.sessions[1]).find("Simulation"), std::string::npos);
   EXPECT_NE(r.report(r.sessions[1]).find("<h2>Progress</h2>"), std::string::npos);
+}
+
+// Of a second hoist, whose sessions an archive brought later: they have later numbers.
+TEST(Report, WalksAreComparedInTheOrderOfTheirDaysAndStartsNotOfTheirNumbers) {
+  Recorded r;
+  for (const double after_days : {10.0, 20.0, 5.0, 10.001, 9.999}) {
+    r.walk("P-01", "", false, R"({"shape":"square","side_m":3.2})", after_days);
+    r.end();
+  }
+  const std::vector<SessionId> newest_first{2, 4, 1, 5, 3};
+  const auto visits = *VisitReader(r.database).of_sessions(r.sessions);
+  const std::int64_t patient = visits.begin()->second.patient_id;
+  ASSERT_EQ(visits.at(1).id, visits.at(4).id);
+  ASSERT_EQ(visits.at(1).id, visits.at(5).id);
+  EXPECT_EQ(VisitReader(r.database).visit(visits.at(1).id)->sessions, (std::vector<SessionId>{5, 1, 4}));
+  const auto numbers = [](const std::vector<TrendSession>& walks) {
+    std::vector<SessionId> all;
+    for (const TrendSession& walk : walks) all.push_back(walk.session);
+    return all;
+  };
+  const TrendPage all = *trend_sessions(r.database, patient, {});
+  EXPECT_EQ(numbers(all.items), newest_first);
+  const std::array<std::int64_t, 5> places{0, 0, -1, -2, 0};
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(all.items[i].place, places[i]) << i;
+  // Page by page.
+  std::vector<SessionId> read;
+  TrendQuery query{.limit = 1};
+  do {
+    const TrendPage page = *trend_sessions(r.database, patient, query);
+    for (const TrendSession& walk : page.items) read.push_back(walk.session);
+    EXPECT_EQ(numbers(page.firsts), page.next ? std::vector<SessionId>{3} : std::vector<SessionId>{});
+    query.before = page.next;
+  } while (query.before && read.size() < newest_first.size());
+  EXPECT_EQ(read, newest_first);
+  // A report compares with what was walked before, not with what came later.
+  for (std::size_t i = 0; i < newest_first.size(); ++i)
+    EXPECT_EQ(numbers(*report_trend(r.database, *SessionReader(r.database).get(newest_first[i]))),
+              std::vector(newest_first.begin() + static_cast<std::ptrdiff_t>(i), newest_first.end()));
 }
 
 TEST(Report, ProgressIsToldAgainstTheFirstWalkOfTheSameExerciseHoweverManyCameSince) {

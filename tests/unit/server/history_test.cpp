@@ -11,6 +11,7 @@
 #include "db/metrics/metric_list.hpp"
 #include "db/report/batch.hpp"
 #include "db/store/database.hpp"
+#include "db/store/sqlite.hpp"
 #include "server/api/idempotency.hpp"
 #include "server/contract/routes.hpp"
 #include "tests/unit/server/fixture.hpp"
@@ -270,6 +271,49 @@ TEST_F(History, ATrendHoldsNoSimulatedWalk) {
   EXPECT_EQ(get(path + "?limit=1&cursor=" + page["next"].get<std::string>()).json()["items"][0]["session"], real[0]);
   EXPECT_EQ(get(path + "?limit=51").status, 422U);
   EXPECT_EQ(get("/api/v1/patients/99/trend").status, 404U);
+}
+
+// As an archive brings it: with a later number than the walks of this hoist.
+TEST_F(History, ATrendIsReadInTheOrderOfDaysPageByPage) {
+  const json person = patient("P-017");
+  choose(person["id"]);
+  std::vector<std::int64_t> walks;
+  for (int i = 0; i < 3; ++i) {
+    walks.push_back(begin_walk(false));
+    end_walk();
+  }
+  stop_server();
+  {
+    auto database = db::Database::open(db_path_);
+    ASSERT_TRUE(database.ok());
+    db::execute(database->handle(), ("INSERT INTO visits (patient_id, day) VALUES (" + person["id"].dump() +
+                                     ", '2020-11-10'); UPDATE sessions SET visit_id = last_insert_rowid(), started_utc_ns = "
+                                     "1605000000000000000 WHERE id = " +
+                                     std::to_string(walks.back()))
+                                        .c_str());
+  }
+  start_server();
+  wait_for_core();
+  const std::string path = "/api/v1/patients/" + person["id"].dump() + "/trend";
+  ASSERT_TRUE(until([&] { return get(path).status == 200; }));
+  const std::vector<std::int64_t> newest_first{walks[1], walks[0], walks[2]};
+  std::vector<std::int64_t> read;
+  std::string cursor;
+  do {
+    const json page = get(path + "?limit=1&cursor=" + cursor).json();
+    ASSERT_EQ(page["items"].size(), 1U);
+    read.push_back(page["items"][0]["session"]);
+    cursor = page["next"].is_null() ? "" : page["next"].get<std::string>();
+    if (read.size() < 3) {
+      ASSERT_EQ(page["firsts"].size(), 1U);
+      EXPECT_EQ(page["firsts"][0]["session"], walks[2]);
+    }
+  } while (!cursor.empty() && read.size() < 3);
+  EXPECT_EQ(read, newest_first);
+  for (const char* bad : {"5", "20201110", "20201110-5", "20201110-5-", "20201110--5", "2020-11-10-5-6", "20201110-5-6-", "2020111a-5-6",
+                          "020201110-5-6", "20201110-05-6", "-", "--"})
+    EXPECT_EQ(get(path + "?cursor=" + bad).status, 422U) << bad;
+  EXPECT_EQ(get(path + "?cursor=20201110-1605000000000000000-1").json()["items"], json::array());
 }
 
 // What REST gives is what db/report makes, may run nothing, and stands in the audit log.
