@@ -19,7 +19,11 @@ Result<std::string> ReportBatch::page(SessionId session) {
 }
 
 Result<std::optional<TrendEntry>> ReportBatch::entry_of(const TrendSession& session) {
-  if (const auto at = known_.find(session.session); at != known_.end()) return at->second;
+  if (const auto at = known_.find(session.session); at != known_.end()) {
+    std::optional<TrendEntry> entry = at->second;
+    if (entry) entry->session = session;  // its place counts from the newest walk of this page
+    return entry;
+  }
   auto entry = trend_entry(database_, session);
   if (entry) known_.emplace(session.session, *entry);
   return entry;

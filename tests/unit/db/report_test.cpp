@@ -310,6 +310,16 @@ TEST(Report, WalksAreComparedInTheOrderOfTheirDaysAndStartsNotOfTheirNumbers) {
               std::vector(newest_first.begin() + static_cast<std::ptrdiff_t>(i), newest_first.end()));
 }
 
+TEST(Report, APageIsTheSameAmongOthersAndByItself) {
+  Recorded r;
+  for (const double after_days : {1.0, 1.001, 1.002, 1.003, 1.004}) {
+    r.walk("P-01", "", false, R"({"shape":"square","side_m":3.2})", after_days);
+    r.end();
+  }
+  ReportBatch batch(r.database, {ReportKind::full, Language::en, "test"});
+  for (const SessionId session : r.sessions) EXPECT_EQ(*batch.page(session), r.report(session)) << session;
+}
+
 TEST(Report, ProgressIsToldAgainstTheFirstWalkOfTheSameExerciseHoweverManyCameSince) {
   Recorded r;
   for (const char* exercise : {R"({"shape":"eight","centre_m":1.0,"radius_m":0.8})", R"({"shape":"square","side_m":3.2})"}) {
