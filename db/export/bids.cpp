@@ -12,6 +12,7 @@
 #include "db/export/manifest.hpp"
 #include "db/export/source.hpp"
 #include "db/store/exercise_json.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/visits.hpp"
 
@@ -169,7 +170,7 @@ class BidsPlan : public BundlePlan {
         participants_.emplace_back("sub-" + label->second, cell(code));
       }
       const auto visit = visits.find(session);
-      std::string day = visit != visits.end() ? visit->second.day : utc_text(info.started_utc_ns).substr(0, 10);
+      const std::string day = visit != visits.end() ? visit->second.day : local_day(info.started_utc_ns);
       Place place;
       place.task = task_of(info);
       const std::string subject = "sub-" + label->second, visit_label = "ses-" + label_of(day);
@@ -248,6 +249,10 @@ class BidsPlan : public BundlePlan {
  private:
   [[nodiscard]] BundleFile text(std::string name, std::string content) const {
     return text_file(std::move(name), first_utc_ns_, [content = std::move(content)] { return content; });
+  }
+  [[nodiscard]] std::string local_day(std::int64_t utc_ns) const {
+    Statement row(database_.handle(), "SELECT " + local_day_sql("?1"));
+    return row.integer(1, utc_ns).step() ? row.text_at(0) : std::string();
   }
   static std::string utc_text(std::int64_t utc_ns) {
     std::array<char, kMaxNumber_chars> digits;

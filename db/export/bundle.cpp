@@ -14,6 +14,7 @@
 #include "db/export/sqlite.hpp"
 #include "db/export/zip_file.hpp"
 #include "db/report/batch.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/summary/session_json.hpp"
 
@@ -225,14 +226,16 @@ Result<std::vector<SessionId>> select_sessions(Database& database, const Session
   for (const auto& [day, field] : {std::pair{filter.from_day, "from_day"}, std::pair{filter.to_day, "to_day"}})
     if (day && !is_day(*day)) return Error{ErrorKind::bad_value, std::string(field) + " must be a day as YYYY-MM-DD", field};
   return guarded([&]() -> Result<std::vector<SessionId>> {
+    const std::string day = "coalesce(day, " + local_day_sql("started_utc_ns") + ")";
     Statement row(
         database.handle(),
         "SELECT sessions.id, note FROM sessions LEFT JOIN visits ON visits.id = visit_id LEFT JOIN patients ON patients.id = patient_id "
         "WHERE close_reason IS NOT NULL AND standby = 0 AND (?1 IS NULL OR code_same(code, ?1)) "
-        "AND (?2 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) >= ?2) "
-        "AND (?3 IS NULL OR coalesce(day, date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) <= ?3) "
-        "AND (?4 IS NULL OR (json_valid(exercise) AND json_extract(exercise, '$.shape') = ?4)) "
-        "AND (?5 IS NULL OR visit_id = ?5) AND (?6 OR NOT simulated) ORDER BY sessions.id");
+        "AND (?2 IS NULL OR " +
+            day + " >= ?2) AND (?3 IS NULL OR " + day +
+            " <= ?3) "
+            "AND (?4 IS NULL OR (json_valid(exercise) AND json_extract(exercise, '$.shape') = ?4)) "
+            "AND (?5 IS NULL OR visit_id = ?5) AND (?6 OR NOT simulated) ORDER BY sessions.id");
     row.text(1, filter.subject).text(2, filter.from_day).text(3, filter.to_day).text(4, filter.exercise);
     if (filter.visit)
       row.integer(5, *filter.visit);

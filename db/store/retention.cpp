@@ -5,6 +5,7 @@
 #include <string>
 
 #include "db/store/edit_tag.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 
 namespace hoist::db {
@@ -31,14 +32,14 @@ struct Candidate {
   bool in_backup = false;
 };
 std::vector<Candidate> candidates(sqlite3* handle, std::int64_t utc_ns) {
+  const std::string day = local_day_sql("started_utc_ns");
   // A day that has not come yet, by a clock that was set back since, counts as today.
   Statement row(handle,
                 "SELECT id, started_utc_ns, id <= (SELECT coalesce(max(newest_session), 0) FROM backups) FROM sessions "
                 "WHERE ended_utc_ns IS NOT NULL "
-                "AND date(started_utc_ns / 1000000000, 'unixepoch', 'localtime') < date(?1, 'unixepoch', 'localtime') "
-                "AND date(started_utc_ns / 1000000000, 'unixepoch', 'localtime') < "
-                "(SELECT max(date(started_utc_ns / 1000000000, 'unixepoch', 'localtime')) FROM sessions) ORDER BY id");
-  row.integer(1, utc_ns / kSecond_ns);
+                "AND " +
+                    day + " < " + local_day_sql("?1") + " AND " + day + " < (SELECT max(" + day + ") FROM sessions) ORDER BY id");
+  row.integer(1, utc_ns);
   std::vector<Candidate> out;
   while (row.step()) out.push_back({row.integer_at(0), row.integer_at(1), row.integer_at(2) != 0});
   return out;

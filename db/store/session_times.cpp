@@ -19,4 +19,6 @@ std::string utc_of_time_sql(std::string_view time_ns) {
          " ORDER BY anchor.time_ns DESC LIMIT 1), s.started_utc_ns - s.start_time_ns))";
 }
 
+std::string local_day_sql(std::string_view utc_ns) { return "date(" + std::string(utc_ns) + " / 1000000000, 'unixepoch', 'localtime')"; }
+
 }  // namespace hoist::db

@@ -11,5 +11,7 @@ namespace hoist::db {
 std::string time_of_step_sql(std::string_view tick);
 /// UTC of a steady time, by the wall clock as it was set at that moment.
 std::string utc_of_time_sql(std::string_view time_ns);
+/// The day of a UTC time where the recording computer stands, YYYY-MM-DD, as in schema/007_visits.sql.
+std::string local_day_sql(std::string_view utc_ns);
 
 }  // namespace hoist::db

@@ -4,6 +4,7 @@
 #include "db/store/page.hpp"
 #include "db/store/patient_code.hpp"
 #include "db/store/session_reader.hpp"
+#include "db/store/session_times.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/walk_order.hpp"
 
@@ -124,16 +125,14 @@ std::optional<PatientInfo> patient_row(sqlite3* handle, std::int64_t patient) {
 std::int64_t visit_row(sqlite3* handle, const std::string& typed, std::int64_t started_utc_ns) {
   const std::string stored = stored_code(handle, typed), &code = stored.empty() ? typed : stored;
   Statement(handle, "INSERT OR IGNORE INTO patients (code) VALUES (?1)").text(1, std::string_view(code)).run();
-  // The same day as in schema/007_visits.sql.
-  const auto with_visit = [&](const char* sql) {
+  const auto with_visit = [&](const std::string& sql) {
     Statement row(handle, sql);
-    row.text(1, std::string_view(code)).integer(2, started_utc_ns / 1'000'000'000);
+    row.text(1, std::string_view(code)).integer(2, started_utc_ns);
     return row.step() ? row.integer_at(0) : 0;
   };
-  with_visit("INSERT OR IGNORE INTO visits (patient_id, day) SELECT id, date(?2, 'unixepoch', 'localtime') FROM patients WHERE code = ?1");
-  return with_visit(
-      "SELECT visits.id FROM visits JOIN patients ON patients.id = patient_id "
-      "WHERE code = ?1 AND day = date(?2, 'unixepoch', 'localtime')");
+  const std::string day = local_day_sql("?2");
+  with_visit("INSERT OR IGNORE INTO visits (patient_id, day) SELECT id, " + day + " FROM patients WHERE code = ?1");
+  return with_visit("SELECT visits.id FROM visits JOIN patients ON patients.id = patient_id WHERE code = ?1 AND day = " + day);
 }
 
 void drop_empty_visits(sqlite3* handle) {

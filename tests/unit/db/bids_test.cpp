@@ -167,6 +167,13 @@ TEST_F(Bids, NamesFollowPatientDayTaskAndRun) {
   EXPECT_EQ(order_, expected);
 }
 
+TEST_F(Bids, ADayIsThatOfTheClinicAlsoWithoutACode) {
+  const InTimeZone zone("EAST-12");  // 02:13 of the next day
+  const Files all = files_of({record("P-017", 0, kStraight), record(std::nullopt, 0, kStraight)});
+  EXPECT_TRUE(all.contains("sub-P017/ses-20260922/sub-P017_ses-20260922_scans.tsv"));
+  EXPECT_TRUE(all.contains("sub-unknown2/ses-20260922/sub-unknown2_ses-20260922_scans.tsv"));
+}
+
 TEST_F(Bids, NamesDifferInMoreThanCapitalLetters) {
   const Files all = files_of({record("A-B", 0, kStraight), record("a.b", 0, kStraight)});
   EXPECT_EQ(all.at("participants.tsv"), "participant_id\tcode\nsub-AB\tA-B\nsub-abx\ta.b\n");

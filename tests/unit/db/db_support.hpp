@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -26,6 +27,21 @@ using hoist::test::TemporaryFolder;
 inline constexpr std::uint64_t kStart_ns = 5'000'000'000;
 inline constexpr std::int64_t kStartUtc_ns = 1'790'000'000'123'456'789;  // September 2026
 inline constexpr std::uint64_t kTick_ns = 10'000'000;
+
+/// A day ends at midnight where the computer stands.
+class InTimeZone {
+ public:
+  explicit InTimeZone(const char* zone) { set(zone); }
+  InTimeZone(const InTimeZone&) = delete;
+  InTimeZone& operator=(const InTimeZone&) = delete;
+  ~InTimeZone() { set(nullptr); }
+
+ private:
+  static void set(const char* zone) {
+    zone != nullptr ? ::setenv("TZ", zone, 1) : ::unsetenv("TZ");
+    ::tzset();
+  }
+};
 
 /// What opening or a check of the whole file found wrong with it; empty = sound.
 inline std::string damage_of(Database& database) {

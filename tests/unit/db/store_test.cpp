@@ -236,19 +236,6 @@ TEST(HoistId, is_made_once_at_random_and_outlives_a_file_that_is_set_aside) {
   EXPECT_EQ(hoist_id_of(dir / "none.db"), "");
 }
 
-// A day ends at midnight where the computer stands.
-class InTimeZone {
- public:
-  explicit InTimeZone(const char* zone) { set(zone); }
-  ~InTimeZone() { set(nullptr); }
-
- private:
-  static void set(const char* zone) {
-    zone != nullptr ? ::setenv("TZ", zone, 1) : ::unsetenv("TZ");
-    ::tzset();
-  }
-};
-
 TEST(Visits, are_one_patient_on_one_local_day_and_end_with_their_last_session) {
   const InTimeZone zone("EAST-2");  // two hours ahead of UTC
   TemporaryFolder dir;
