@@ -70,12 +70,13 @@ std::string group_report(std::span<const ReportSession> sessions, const ReportOp
                             {who(page, one.session)},
                             {report::walked_text(one.session.exercise_json, page.language())}};
     for (const std::size_t i : figures) cells.push_back(page.cell(kMetrics[i], one.metrics.figures[i]));
+    page.recorded_by(one.session);
     table.row(cells);
   }
   add_feet(page, table, sessions, figures);
   page.text(page.w(Word::sessions) + ": " + std::to_string(sessions.size()));
   page.table(table);
-  return page.whole(sessions.empty() ? nullptr : &sessions.front().session);
+  return page.whole();
 }
 
 }  // namespace hoist::db

@@ -118,15 +118,19 @@ void Page::picture(const std::string& caption, const std::string& svg) {
   html("<figure>" + svg + "<figcaption class=\"small\">" + escaped(caption) + "</figcaption></figure>");
 }
 
-std::string Page::whole(const SessionInfo* origin) const {
+void Page::recorded_by(const SessionInfo& session) {
+  origins_.insert(w(Word::origin, {session.software_version, session.core_version.value_or(w(Word::unknown))}));
+}
+
+std::string Page::whole() const {
   const std::string title = escaped(w(title_)), language = options_.language == Language::de ? "de" : "en";
   std::string out = "<!doctype html>\n<html lang=\"" + language +
                     "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>" +
                     title + "</title><style>" + std::string(kStyle) + std::string(title_ == Word::group_title ? kWideStyle : "") +
                     "</style></head><body><main>\n<h1>" + title + "</h1>\n" + body_ + "</main>\n<footer class=\"small\">";
-  if (origin != nullptr)
-    out += "<p>" + escaped(w(Word::origin, {origin->software_version, origin->core_version.value_or(w(Word::unknown)), options_.program})) +
-           "</p>";
+  std::string programs;
+  for (const std::string& origin : origins_) programs += origin + " ";
+  if (!programs.empty()) out += "<p>" + escaped(programs + w(Word::made_by, {options_.program})) + "</p>";
   return out + "<p>" + escaped(w(Word::no_device)) + "</p></footer></body></html>\n";
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <initializer_list>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -62,13 +63,15 @@ class Page {
   void text(const std::string& text, const char* style = "");
   void table(const Table& table) { html(table.whole()); }
   void picture(const std::string& caption, const std::string& svg);
-  /// The whole page; `origin`: the session that tells which programs recorded it, or null.
-  [[nodiscard]] std::string whole(const SessionInfo* origin) const;
+  /// Names the programs that recorded this session at the page's end.
+  void recorded_by(const SessionInfo& session);
+  [[nodiscard]] std::string whole() const;
 
  private:
   const ReportOptions& options_;
   Word title_;
   std::string body_;
+  std::set<std::string> origins_;  // a sentence each
 };
 
 /// "Square, 3.2 m", or the task with its repetition.

@@ -351,11 +351,12 @@ Result<std::string> session_report(Database& database, const ReportSession& of, 
   add_main(page, session, of.metrics);
   if (Status drawn = add_path(page, database, session); !drawn) return drawn.error();
   if (!trend.empty()) add_progress(page, session, trend);
-  if (!page.full()) return page.whole(nullptr);
+  if (!page.full()) return page.whole();
+  page.recorded_by(session);
   add_all_figures(page, of.metrics);
   for (const auto add : {add_alarms, add_marks, add_settings, add_setting_changes})
     if (Status added = add(page, database, session); !added) return added.error();
-  return page.whole(&session);
+  return page.whole();
 }
 
 }  // namespace hoist::db

@@ -430,6 +430,30 @@ TEST(Report, AGroupCountsValidValuesOnly) {
   EXPECT_NE(page.find("<td class=\"number\">2</td>"), std::string::npos) << "valid values";
 }
 
+TEST(Report, AGroupNamesEveryProgramThatRecorded) {
+  Recorded r;
+  for (int i = 0; i < 3; ++i) {
+    r.walk("P-01", "");
+    r.end();
+  }
+  std::vector<ReportSession> sessions;
+  for (const SessionId id : r.sessions) sessions.push_back(*read_report_session(r.database, id));
+  const auto foot = [&](Language language) {
+    const std::string page = group_report(sessions, {.kind = {}, .language = language, .program = "test"});
+    const std::size_t begin = page.find("<footer");
+    return page.substr(begin, page.find("</p>", begin) - begin);
+  };
+  EXPECT_EQ(foot(Language::en), "<footer class=\"small\"><p>Recorded by 1.0, control program unknown. Report made by test.");
+  sessions[1].session.software_version = "1.1";
+  sessions[1].session.core_version = "1.2";
+  EXPECT_EQ(foot(Language::en),
+            "<footer class=\"small\"><p>Recorded by 1.0, control program unknown. Recorded by 1.1, control program 1.2. "
+            "Report made by test.");
+  EXPECT_EQ(foot(Language::de),
+            "<footer class=\"small\"><p>Aufgezeichnet mit 1.0, Steuerprogramm unbekannt. Aufgezeichnet mit 1.1, "
+            "Steuerprogramm 1.2. Bericht erstellt mit test.");
+}
+
 TEST(Report, NumbersRoundAsInABrowser) {
   const auto en = [](double value, int decimals) { return report::number_text(value, decimals, Language::en); };
   EXPECT_EQ(en(0.125, 2), "0.13");
