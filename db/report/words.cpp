@@ -7,6 +7,8 @@
 #include <ctime>
 #include <numbers>
 
+#include "control/contract/calibration.hpp"
+
 namespace hoist::db {
 
 namespace report {
@@ -79,9 +81,38 @@ std::string figure_text(const MetricInfo& figure, double value, Language languag
   return with_unit(number_text(value * screen_factor(figure), figure.digits, language), figure.screen_unit);
 }
 
+namespace {
+// A unit that is a word; others are signs.
+std::string unit_text(std::string_view unit, Language language) {
+  if (unit == "units") return word(Word::unit_units, language);
+  if (unit == "counts") return word(Word::unit_counts, language);
+  return std::string(unit);
+}
+
+bool is_date(const contract::ParamInfo& setting) {
+  return std::ranges::any_of(contract::kCalibrationSteps, [&](const contract::CalibrationStepInfo& step) {
+    return contract::kParams[contract::param_index(step.date)].name == setting.name;
+  });
+}
+
+std::string local_text(std::time_t utc_s, const char* format) {
+  std::tm local{};
+  ::localtime_r(&utc_s, &local);
+  std::array<char, 64> text{};
+  std::strftime(text.data(), text.size(), format, &local);
+  return text.data();
+}
+
+std::string date_text(double utc_s, Language language) {
+  if (!(utc_s > 0)) return word(Word::never, language);
+  return day_text(local_text(static_cast<std::time_t>(utc_s), "%Y-%m-%d"), language);
+}
+}  // namespace
+
 std::string setting_text(const contract::ParamInfo& setting, double value, Language language) {
   constexpr int kSignificant = 4, kMost = 9;
-  std::string unit(setting.unit);
+  if (is_date(setting)) return date_text(value, language);
+  std::string unit = unit_text(setting.unit, language);
   if (unit == "rad" || unit.starts_with("rad/")) {
     value *= 180 / std::numbers::pi;
     unit.replace(0, 3, "°");
@@ -131,12 +162,7 @@ std::string clock_text(double seconds) {
 }
 
 std::string time_text(std::int64_t utc_ns, Language language) {
-  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
-  std::tm local{};
-  ::localtime_r(&seconds, &local);
-  std::array<char, 64> text{};
-  std::strftime(text.data(), text.size(), language == Language::de ? "%d.%m.%Y %H:%M" : "%Y-%m-%d %H:%M", &local);
-  return text.data();
+  return local_text(static_cast<std::time_t>(utc_ns / 1'000'000'000), language == Language::de ? "%d.%m.%Y %H:%M" : "%Y-%m-%d %H:%M");
 }
 
 std::string day_text(std::string_view day, Language language) {

@@ -29,7 +29,7 @@ enum class Word : std::uint8_t {
 [[nodiscard]] std::string number_text(double value, int decimals, Language language);
 /// A figure in its screen's unit, as the console shows it.
 [[nodiscard]] std::string figure_text(const MetricInfo& figure, double value, Language language);
-/// A setting with at most four significant digits of a fraction; angles in degrees.
+/// A setting with at most four significant digits of a fraction; angles in degrees, the date of a calibration as a day of this computer's clock.
 [[nodiscard]] std::string setting_text(const contract::ParamInfo& setting, double value, Language language);
 [[nodiscard]] std::string_view no_figure_text(NoFigure why, Language language);
 [[nodiscard]] std::string_view no_change_text(NoChange why, Language language);

@@ -12,10 +12,12 @@
 #include <regex>
 #include <sstream>
 
+#include "control/contract/calibration.hpp"
 #include "control/contract/program_version.hpp"
 #include "db/export/bundle.hpp"
 #include "db/report/definitions.hpp"
 #include "db/report/pictures.hpp"
+#include "db/report/words.hpp"
 #include "db/store/sqlite.hpp"
 #include "db/store/tasks.hpp"
 #include "db/store/visits.hpp"
@@ -452,6 +454,31 @@ TEST(Report, AGroupNamesEveryProgramThatRecorded) {
   EXPECT_EQ(foot(Language::de),
             "<footer class=\"small\"><p>Aufgezeichnet mit 1.0, Steuerprogramm unbekannt. Aufgezeichnet mit 1.1, "
             "Steuerprogramm 1.2. Bericht erstellt mit test.");
+}
+
+TEST(Report, SettingsAreTimesAndUnitsOfTheReader) {
+  const InTimeZone zone("EAST-12");
+  const auto text = [](std::string_view name, double value, Language language) {
+    return report::setting_text(contract::kParams[contract::find_param(name).value()], value, language);
+  };
+  constexpr double kUtc_s = static_cast<double>(kStartUtc_ns / 1'000'000'000);  // 02:13 of the next day
+  for (const contract::CalibrationStepInfo& step : contract::kCalibrationSteps) {
+    const std::string_view date = contract::kParams[contract::param_index(step.date)].name;
+    EXPECT_EQ(text(date, kUtc_s, Language::en), "2026-09-22") << date;
+    EXPECT_EQ(text(date, kUtc_s, Language::de), "22.09.2026") << date;
+    EXPECT_EQ(text(date, 0, Language::en), "Never done") << date;
+    EXPECT_EQ(text(date, 0, Language::de), "Noch nie") << date;
+  }
+  EXPECT_EQ(text("slip_stop_s", 1, Language::de), "1\u00a0s");
+  EXPECT_EQ(text("encoder_counts_per_turn", 60000, Language::en), "60000\u00a0counts");
+  EXPECT_EQ(text("encoder_counts_per_turn", 60000, Language::de), "60000\u00a0Impulse");
+  EXPECT_EQ(text("lean_gain_filtered_units", 50, Language::en), "50\u00a0units");
+  EXPECT_EQ(text("lean_gain_filtered_units", 50, Language::de), "50\u00a0Einheiten");
+  // The German of every unit that is a word.
+  for (const contract::ParamInfo& param : contract::kParams)
+    if (param.unit.size() > 3 && param.unit.find_first_of(" /") == std::string_view::npos) {
+      EXPECT_EQ(text(param.name, 1, Language::de).find(param.unit), std::string::npos) << param.name;
+    }
 }
 
 TEST(Report, NumbersRoundAsInABrowser) {
