@@ -25,7 +25,8 @@ enum class CommandKind : std::uint32_t {
   // A start mark: v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only. a = key of the exercise that begins there, 0 = none. With the key
   // of the newest mark the exercise goes on and the pose stays, unless b = kStartAgain.
   set_pose = 8,
-  set_neutral = 9,  // take the mean of the last second as neutral; standing still only; stored as parameters
+  // v0 = seconds since 1970 UTC: take the mean of the last second as neutral; standing still only; stored as parameters with their date
+  set_neutral = 9,
   // Service: nodes are in their loaders, the drives off, INIT stays until it ends. Engineer with the lease only.
   begin_service = 10,  // role in b; in STANDBY or INIT; repeated while it is on, it lasts another two seconds
   service_frame = 11,  // a = CAN id, v0 = the eight data bytes as they are (std::bit_cast), v1 = how many of them; one a step

@@ -34,6 +34,13 @@ Command command_of(CommandKind kind, const Asker& asker) {
   command.lease_epoch = asker.epoch;
   return command;
 }
+// What the core stores with today's date. Whole seconds: a day is all that anybody looks at.
+Command dated(const Services& services, CommandKind kind, const Asker& asker) {
+  Command command = command_of(kind, asker);
+  const auto utc_s = services.utc_ns() / 1'000'000'000;
+  command.v0 = static_cast<double>(utc_s);
+  return command;
+}
 
 Outcome outcome_of(const CoreAnswer& answer) {
   Outcome outcome;
@@ -395,7 +402,7 @@ void act_acknowledge(Services& services, const Asker& asker, const json& seen, O
 
 void act_neutral(Services& services, const Asker& asker, OutcomeDone done) {
   if (!begin_action(services, asker, Action::set_neutral, {}, done)) return;
-  ask(services, command_of(CommandKind::set_neutral, asker), std::move(done));
+  ask(services, dated(services, CommandKind::set_neutral, asker), std::move(done));
 }
 
 void act_calibrate(Services& services, const Asker& asker, const CalibrateWish& wish, OutcomeDone done) {
@@ -444,11 +451,7 @@ void act_measure(Services& services, const Asker& asker, const MeasureWish& meas
 
 void act_use_calibration(Services& services, const Asker& asker, OutcomeDone done) {
   if (!begin_action(services, asker, Action::use_calibration, {}, done)) return;
-  Command command = command_of(CommandKind::use_calibration, asker);
-  // Whole seconds: a day is all that anybody looks at.
-  const auto utc_s = services.utc_ns() / 1'000'000'000;
-  command.v0 = static_cast<double>(utc_s);
-  ask(services, command, std::move(done));
+  ask(services, dated(services, CommandKind::use_calibration, asker), std::move(done));
 }
 
 void act_cancel_calibration(Services& services, const Asker& asker, OutcomeDone done) {

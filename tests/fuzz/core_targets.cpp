@@ -228,8 +228,9 @@ std::vector<Input> seeds_core_commands() {
     command(driven, CommandKind::begin_guided, 0, 1, {2.0, 0, 0.2});
     command(driven, CommandKind::stop, 0, 0, {});
     command(driven, CommandKind::acknowledge, 0, 2, {});
-    for (const CommandKind kind : {CommandKind::release_lease, CommandKind::take_lease, CommandKind::set_pose, CommandKind::set_neutral})
+    for (const CommandKind kind : {CommandKind::release_lease, CommandKind::take_lease, CommandKind::set_pose})
       command(set, kind, 0, 0, {});
+    command(set, CommandKind::set_neutral, 0, 0, {1.0, 0, 0});
     // Allowed while the hoist moves: the fastest of REMOTE, on trial.
     command(set, CommandKind::stage_parameter, 50, 0, {0.6, 0, 0});
     command(set, CommandKind::commit_parameters, 1, 2, {60.0, 0, 0});

@@ -44,8 +44,8 @@ class Stage {
     return done();
   }
   // As a client of the server asks the core, with the row of the audit log that follows.
-  std::string ask(const char* action, CommandKind kind, std::uint32_t a = 0, std::uint32_t client = 1) {
-    const std::uint32_t request = loop_.ask_as(client, kind, a, 0, 0, 0, static_cast<std::uint32_t>(contract::Role::therapist));
+  std::string ask(const char* action, CommandKind kind, std::uint32_t a = 0, std::uint32_t client = 1, double v0 = 0) {
+    const std::uint32_t request = loop_.ask_as(client, kind, a, v0, 0, 0, static_cast<std::uint32_t>(contract::Role::therapist));
     std::string result;
     wait_until(
         [&] {
@@ -64,7 +64,7 @@ class Stage {
   }
   std::string stop() { return ask("stop", CommandKind::stop); }
   std::string acknowledge() { return ask("acknowledge", CommandKind::acknowledge); }
-  std::string zero() { return ask("set_neutral", CommandKind::set_neutral); }
+  std::string zero() { return ask("set_neutral", CommandKind::set_neutral, 0, 1, 1'790'000'000.0); }
   std::string start() {
     wait_until([&] { return loop_.record().blocked_bits == 0; }, 20);
     return ask("start_motion", CommandKind::request_mode, static_cast<std::uint32_t>(Mode::user));

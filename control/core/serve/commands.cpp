@@ -141,6 +141,12 @@ Verdict end_trial(CoreState& state, const Command& command, bool keep) noexcept 
   return (keep ? confirm_trial(state, asked) : revert_trial(state, asked)) ? Verdict{} : refused(Refusal::out_of_order);
 }
 
+// The date comes from outside, because the core knows no calendar; 0 would mean never. False: it is no date.
+[[nodiscard]] bool add_date(Staging& set, contract::ParamName date, double utc_s) noexcept {
+  const std::size_t row = contract::param_index(date);
+  return contract::check_param(row, utc_s) == contract::ParamCheck::ok && utc_s > 0 && set.rows.push_back({row, utc_s});
+}
+
 Verdict set_neutral(CoreState& state, const Command& command) noexcept {
   if (!standing(state)) return refused(at_rest(state) ? Refusal::only_when_stopped : Refusal::moving);
   const auto posture = state.intent.last_second();
@@ -157,6 +163,7 @@ Verdict set_neutral(CoreState& state, const Command& command) noexcept {
   Staging set;
   static_cast<void>(set.rows.push_back({kLean, posture.dx_m}));
   static_cast<void>(set.rows.push_back({kTurn, posture.dpsi_rad}));
+  if (!add_date(set, contract::ParamName::calibrated_neutral_s, command.v0)) return refused(Refusal::out_of_range);
   put_into_force(state, set, {command.request_id, command.client}, 0);
   Event event;
   event.kind = EventKind::neutral_set;
@@ -344,11 +351,8 @@ Verdict use_calibration(CoreState& state, const Command& command) noexcept {
   if (calibration.phase != contract::CalibrationPhase::result) return refused(Refusal::out_of_order);
   if (!at_rest(state)) return refused(Refusal::moving);
   const contract::CalibrationStepInfo& info = *contract::find_calibration_step(static_cast<std::uint32_t>(calibration.step));
-  // The date comes from outside, because the core knows no calendar; 0 would mean never.
-  const std::size_t date = contract::param_index(info.date);
-  if (contract::check_param(date, command.v0) != contract::ParamCheck::ok || !(command.v0 > 0)) return refused(Refusal::out_of_range);
   Staging set = calibration.result;
-  static_cast<void>(set.rows.push_back({date, command.v0}));
+  if (!add_date(set, info.date, command.v0)) return refused(Refusal::out_of_range);
   sign_parts(state, set);
   put_into_force(state, set, {command.request_id, command.client}, 0);
   leave_calibration(state, true);

@@ -388,11 +388,11 @@ void Watch::watch_parameters(const Told& told) {
       given.insert(given.end(), staged_.begin(), staged_.end());
       rows += c.a;
     } else if (c.kind == CommandKind::set_neutral) {
-      // A set of two rows whose values the core measures.
-      for (const ParamName name : {ParamName::neutral_lean_m, ParamName::neutral_turn_rad}) {
+      // A set of two rows whose values the core measures, and their date.
+      for (const ParamName name : {ParamName::neutral_lean_m, ParamName::neutral_turn_rad, ParamName::calibrated_neutral_s}) {
         contract::Command row;
         row.a = contract::kParams[contract::param_index(name)].id;
-        row.v0 = contract::get_param(told.params, contract::param_index(name));
+        row.v0 = name == ParamName::calibrated_neutral_s ? c.v0 : contract::get_param(told.params, contract::param_index(name));
         given.push_back(row);
         ++rows;
       }

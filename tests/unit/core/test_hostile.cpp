@@ -161,7 +161,8 @@ TEST(Hostile, NoAnswerIsLostWhateverIsSentForHowLong) {
         const std::uint32_t a = stages    ? info.id
                                 : commits ? staged
                                           : below(kind == CommandKind::request_mode ? contract::kModes.size() : 2);
-        const std::uint32_t id = hoist.send(kind, 7, a, stages ? staged++ : 2, stages ? info.default_value : commits ? 2.0 * below(2) : 0);
+        const double v0 = stages ? info.default_value : commits ? 2.0 * below(2) : kind == CommandKind::set_neutral ? 1.0 : 0.0;
+        const std::uint32_t id = hoist.send(kind, 7, a, stages ? staged++ : 2, v0);
         answers[id] = 0;
         if (commits) rows[id] = std::exchange(staged, 0);
       }

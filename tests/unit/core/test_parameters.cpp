@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -694,18 +695,26 @@ TEST(Parameters, H27LimitsAndTripsAreForEngineersOnStandby) {
   }
 }
 
+constexpr double kToday_s = 1'790'000'000.0;
+
+std::uint32_t set_neutral(ScriptedHoist& hoist, double utc_s = kToday_s) { return hoist.ask(CommandKind::set_neutral, 7, 0, 0, utc_s); }
+
 TEST(Neutral, IsTheMeanOfTheLastSecond) {
   ScriptedHoist hoist;
   ASSERT_TRUE(hoist.ready());
   hoist.lean(3, 2);
   hoist.step(50);
-  EXPECT_EQ(hoist.ask(CommandKind::set_neutral), refusal_bit(Refusal::moving)) << "half upright, half leaning is no posture";
+  EXPECT_EQ(set_neutral(hoist), refusal_bit(Refusal::moving)) << "half upright, half leaning is no posture";
   hoist.step(110);
-  EXPECT_EQ(hoist.ask(CommandKind::set_neutral), 0U);
+  for (const double never : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(set_neutral(hoist, never), refusal_bit(Refusal::out_of_range)) << never;
+  EXPECT_EQ(hoist.count(EventKind::parameter_changed), 0);
+  EXPECT_EQ(set_neutral(hoist), 0U);
   EXPECT_NEAR(hoist.state.params.neutral_lean_m, 0.8 * std::tan(3 * kDeg), 2e-4);
   EXPECT_GT(hoist.state.params.neutral_turn_rad, 0.02);
   EXPECT_EQ(hoist.count(EventKind::neutral_set), 1);
-  EXPECT_EQ(hoist.count(EventKind::parameter_changed), 2);
+  EXPECT_EQ(hoist.count(EventKind::parameter_changed), 3);
+  EXPECT_EQ(hoist.state.params.calibrated_neutral_s, kToday_s) << "as after the step of CALIBRATE";
   hoist.step(2);
   EXPECT_NEAR(hoist.out.record.lean_norm, 0, 0.01);
   EXPECT_NEAR(hoist.out.record.turn_norm, 0, 0.01);
@@ -724,14 +733,14 @@ TEST(Neutral, CountsAnewWhenTheValuesChangeThatItIsReadBy) {
       ASSERT_TRUE(hoist.ready());
       hoist.send(CommandKind::stage_parameter, 7, id_of(row.name), 0, row.value);
       const std::uint32_t commit = hoist.send(CommandKind::commit_parameters, 7, 1, kEngineer);
-      const std::uint32_t id =
-          start ? hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::user)) : hoist.send(CommandKind::set_neutral);
+      const std::uint32_t id = start ? hoist.send(CommandKind::request_mode, 7, static_cast<std::uint32_t>(Mode::user))
+                                     : hoist.send(CommandKind::set_neutral, 7, 0, 0, kToday_s);
       hoist.step();
       ASSERT_EQ(hoist.answer(commit), 0U) << contract::kParams[index].name;
       EXPECT_NE(hoist.answer(id), 0U) << contract::kParams[index].name;
       EXPECT_TRUE(!start || (hoist.answer(id) & refusal_bit(Refusal::not_neutral)) != 0) << contract::kParams[index].name;
       hoist.step(98);
-      EXPECT_NE(hoist.ask(CommandKind::set_neutral), 0U) << contract::kParams[index].name << ": not a whole second yet";
+      EXPECT_NE(set_neutral(hoist), 0U) << contract::kParams[index].name << ": not a whole second yet";
     }
   }
   ScriptedHoist other;
@@ -766,12 +775,12 @@ TEST(Neutral, TooFarAwayOrNotStandingIsRefused) {
     ASSERT_TRUE(hoist.ready());
     hoist.lean(lean_deg, twist_deg);
     hoist.step(120);
-    EXPECT_EQ(hoist.ask(CommandKind::set_neutral), refusal_bit(Refusal::out_of_range));
+    EXPECT_EQ(set_neutral(hoist), refusal_bit(Refusal::out_of_range));
     EXPECT_TRUE(same(hoist.state.params, contract::Params{}));
   }
   ScriptedHoist walking;
   ASSERT_TRUE(walking.start(Mode::user));
-  EXPECT_EQ(walking.ask(CommandKind::set_neutral), refusal_bit(Refusal::only_when_stopped));
+  EXPECT_EQ(set_neutral(walking), refusal_bit(Refusal::only_when_stopped));
 }
 
 TEST(Pose, IsSetAtStandstillOnly) {

@@ -763,6 +763,8 @@ TEST_F(Rest, ACalibrationStepIsLedFromBeginToUse) {
   EXPECT_EQ(get("/api/v1/calibration").json()["under_way"]["result"][0]["name"], "wheel_radius_m");
   ASSERT_EQ(call("POST", "/api/v1/calibration/use", json::object()).status, 200);
   EXPECT_GT(core_->commands().back().v0, 1.6e9) << "today";
+  ASSERT_EQ(call("POST", "/api/v1/neutral", json::object()).status, 200);
+  EXPECT_GT(core_->commands().back().v0, 1.6e9) << "a posture that is set beside a walk is dated as one that is calibrated";
   EXPECT_EQ(call("DELETE", "/api/v1/calibration").status, 409) << "it is over";
 }
 
