@@ -282,8 +282,9 @@ describe('the status bar', () => {
   it('shows each text and picture whole, on phones and at 200 % zoom', { timeout: minutes_ms }, async () => {
     fake.hoist.patient = { code: 'P-0042-B' };
     const page = await open([1024, 768], looks[1], 'drive');
+    const other = await open([1024, 768], looks[1], 'drive');
     try {
-      // In control, which has a button in the bar, and recorded in standby: the widest texts.
+      // In control, which has a button in the bar, or controlled by another screen, and recorded in standby: the widest texts.
       await page.getByRole('button', { name: de['drive.start'] }).click();
       await page.locator('.pad.active').waitFor();
       const ended = async () => {
@@ -295,9 +296,10 @@ describe('the status bar', () => {
       };
       await expect.poll(ended, { timeout: 10_000, interval: 300 }).toBe(1);
       await page.locator('.bar', { hasText: de['bar.standby'] }).getByText(de['bar.giveBackShort']).waitFor();
+      await other.locator('.bar', { hasText: de['bar.standby'] }).getByText(de['bar.controlOther']).waitFor();
       for (const [width, height] of [...sizes, [1004, 700], [800, 600], [844, 390], [667, 375], [512, 384], [320, 568]] as const) {
-        await page.setViewportSize({ width, height });
-        const trouble = await page.locator('.bar').evaluate((bar) => {
+        for (const one of [page, other]) await one.setViewportSize({ width, height });
+        const troubleOf = (bar: Element) => {
           const parts: { name: string; box: DOMRect }[] = [];
           const add = (name: string, box: DOMRect) => box.width > 1 && parts.push({ name, box });
           for (const picture of bar.querySelectorAll('svg')) add(picture.getAttribute('class')!, picture.getBoundingClientRect());
@@ -312,13 +314,14 @@ describe('the status bar', () => {
           const over = (a: DOMRect, b: DOMRect) => a.left < b.right && b.left < a.right && a.top < b.bottom - 1 && b.top < a.bottom - 1;
           const pairs = parts.flatMap((a, i) => parts.slice(i + 1).map((b) => [a, b] as const)).filter(([a, b]) => over(a.box, b.box));
           return [...outside.map(({ name }) => name), ...pairs.map(([a, b]) => `${a.name} on ${b.name}`)];
-        });
-        expect(trouble, `${width} x ${height}`).toEqual([]);
+        };
+        for (const one of [page, other]) expect(await one.locator('.bar').evaluate(troubleOf), `${width} x ${height}`).toEqual([]);
       }
     } finally {
       fake.hoist.patient = null;
       fake.hoist.mode = 'standby';
       await page.close();
+      await other.close();
     }
   });
 });

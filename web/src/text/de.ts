@@ -230,7 +230,7 @@ export const de: Table = {
   'bar.unknown': 'Unbekannt',
   'bar.control': 'Steuerung',
   'bar.controlMine': 'Sie',
-  'bar.controlOther': 'Jemand anderes',
+  'bar.controlOther': 'Andere',
   'bar.controlNobody': 'Niemand',
   'bar.giveBack': 'Steuerung abgeben',
   'bar.giveBackShort': 'Abgeben',
