@@ -34,13 +34,15 @@ export function App() {
   // Signed out in the middle of a walk, or without being asked, the shell stays and says what to do.
   const gate = !useStore((s) => s.everOpen) && !signedIn;
   const { asking, answer } = useTakeOver();
+  const { led } = useReadiness();
   if (words.state === 'ready' && gate) return <Gate />;
   return (
-    <div class="shell">
-      {/* While a question is open, neither key nor finger reaches anything else except STOP. */}
+    <div class={`shell${led ? ' led' : ''}${asking ? ' asking' : ''}`}>
+      {/* While a question is open, neither key nor finger reaches anything else except STOP and the alarms. */}
       <div class="shell-parts" inert={asking}>
         {words.state === 'ready' ? <Shell /> : <main class="main">{words.state === 'failed' ? <LoadFailed /> : null}</main>}
       </div>
+      {words.state === 'ready' ? <Strip /> : null}
       <StopButton />
       {asking ? <TakeOver answer={answer} /> : null}
     </div>
@@ -79,7 +81,6 @@ function Shell() {
   return (
     <>
       <StatusBar />
-      <Strip />
       <nav class="nav" aria-label={t('nav.label')}>
         {menu.map((item) => (
           <a
@@ -197,7 +198,7 @@ function useTakeOver(): { asking: boolean; answer: (yes: boolean) => void } {
   return { asking, answer };
 }
 
-/** STOP stays free: the dialog never covers it. */
+/** STOP and the alarms stay free: the dialog never covers them. */
 function TakeOver({ answer }: { answer: (yes: boolean) => void }) {
   const box = useRef<HTMLDivElement>(null);
   const who = useStore((s) => nameOf(s.lease.actor));

@@ -124,3 +124,41 @@ it(
   },
   minutes_ms,
 );
+
+it(
+  'leaves the alarm readable and its release usable while it asks about taking control',
+  async () => {
+    const driver = await open([1024, 768], 'en');
+    await driver.getByRole('button', { name: 'Start driving' }).click();
+    await driver.locator('.pad.active').waitFor();
+    fake.fault('patient_hanging');
+    fake.hoist.mode = 'protective_stop';
+    for (const size of [
+      [360, 640],
+      [844, 390],
+      [512, 384],
+      [1024, 768],
+    ] as const) {
+      const other = await open(size, 'de', 'drive', '.strip .hold');
+      await other.locator('.strip .hold').hover();
+      await other.mouse.down();
+      const question = other.getByRole('dialog');
+      await question.waitFor();
+      await other.mouse.up();
+      const covered = await other.evaluate(() => {
+        const dialog = document.querySelector('.dialog')!;
+        const below = dialog.getBoundingClientRect().top >= document.querySelector('.strip')!.getBoundingClientRect().bottom;
+        const whole = dialog.scrollHeight <= dialog.clientHeight && dialog.getBoundingClientRect().bottom <= innerHeight;
+        const hidden = ['.strip-words', '.strip .hold'].filter((name) => {
+          const part = document.querySelector(name)!;
+          const { left, top } = part.getClientRects()[0]!;
+          return part.closest('[inert]') !== null || !part.contains(document.elementFromPoint(left + 4, top + 8));
+        });
+        return [...hidden, ...(below && whole ? [] : ['dialog'])];
+      });
+      expect(covered, size.join(' x ')).toEqual([]);
+      await question.getByRole('button', { name: 'Abbrechen' }).click();
+    }
+  },
+  minutes_ms,
+);

@@ -273,7 +273,7 @@ export const de: Table = {
   'strip.layoutAction': 'Seite neu laden. Bleibt es so, Service rufen.',
   'strip.signedOut': 'Abgemeldet',
   'strip.signedOutAction': 'Am Gerät selbst oder mit STOPP anhalten. Dann neu anmelden.',
-  'strip.whole': 'Ganzer Text',
+  'strip.effects': 'Folgen',
   'strip.others': '{n} weitere',
   'settings.notStored': 'Gilt, ist aber nicht gespeichert: nach dem nächsten Start wieder der alte Wert.',
   'strip.recordingFailed': 'Dieses Training wird nicht aufgezeichnet',

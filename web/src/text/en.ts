@@ -278,7 +278,7 @@ export const en = {
   'strip.layoutAction': 'Reload the page. If this remains, call service.',
   'strip.signedOut': 'Signed out',
   'strip.signedOutAction': 'Stop at the hoist itself, or with STOP. Then sign in again.',
-  'strip.whole': 'Full text',
+  'strip.effects': 'Consequences',
   'strip.others': '{n} more',
   'settings.notStored': 'Applied, but not stored: lost at the next start.',
   'strip.recordingFailed': 'This training is not being recorded',

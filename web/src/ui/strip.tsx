@@ -1,5 +1,5 @@
-// The line under the status bar: the most important alarm with what to do, else one sentence. Its height never changes.
-import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
+// Under the status bar: the most important alarm whole, with what to do, else one sentence (decision 78).
+import { useEffect, useRef, useState } from 'preact/hooks';
 import { alarmSignals, type FaultInfo, type FaultName } from '../contract/faults.gen';
 import type { StandingNotice } from '../contract/rest.gen';
 import { acknowledge, notify } from '../link/console';
@@ -47,7 +47,6 @@ export function Strip() {
   const data = useStore((s) => s.data);
   const age_s = useStore((s) => s.dataAge_s);
   const core = useStore((s) => s.coreConnected);
-  const mode = useStore((s) => s.mode);
   const bits = useStore((s) => s.faultBits);
   const stopCause = useStore((s) => s.stopCause);
   const cause = useStore((s) => s.speedCause);
@@ -104,21 +103,11 @@ export function Strip() {
   // Consequences are shown but not counted.
   const others = more.filter((alarm) => !alarm.follows).length;
 
-  // What to do must be readable to its end, also where the line is too short for it.
-  const line = useRef<HTMLSpanElement>(null);
-  const [cut, setCut] = useState(false);
-  useLayoutEffect(() => {
-    const measure = () => setCut(line.current !== null && line.current.scrollHeight > line.current.clientHeight + 1);
-    measure();
-    window.addEventListener('resize', measure);
-    return () => window.removeEventListener('resize', measure);
-  }, [first.text, first.action, cut, more.length, mode]);
   // The next alarm begins with its line alone.
   const calmNow = alarms.length === 0;
   useEffect(() => {
     if (calmNow) setAll(false);
   }, [calmNow]);
-  const openable = more.length > 0 || (alarms.length > 0 && (cut || all));
 
   const release = async () => {
     setBusy(true);
@@ -131,43 +120,46 @@ export function Strip() {
   const flash_ms = worst === 'calm' ? 0 : alarmSignals[worst].flash_ms;
   return (
     <div class={flash_ms > 0 ? `strip ${worst} flashes` : `strip ${worst}`} style={{ animationDuration: `${flash_ms}ms` }}>
+      {/* First, because on a narrow screen the text flows around them. */}
+      <div class="strip-buttons">
+        {more.length > 0 ? (
+          <button
+            type="button"
+            class="quiet"
+            aria-expanded={all}
+            aria-label={others > 0 ? t('strip.others', { n: others }) : t('strip.effects')}
+            onClick={() => setAll(!all)}
+          >
+            {others > 0 ? `+${others}` : '…'}
+          </button>
+        ) : null}
+        <SoundButton alarms={alarms.map(({ id, priority, hoist }) => ({ id, priority, hoist: hoist === true }))} />
+        {ready.stopped && ready.reachable ? (
+          <HoldButton
+            label={t('stop.release')}
+            hint={ready.may ? t('stop.releaseHint') : refusalText('not_allowed')}
+            hold_ms={releaseHold_ms}
+            disabled={busy || !ready.may}
+            onBegin={() => {
+              seen.current = activeFaults(bits).map((fault) => fault.name);
+            }}
+            onDone={() => void release()}
+          />
+        ) : null}
+      </div>
       <div class="strip-text" role={worst === 'high' ? 'alert' : 'status'} aria-live={worst === 'high' ? 'assertive' : 'polite'}>
         {first.priority === 'calm' ? null : (
           <span class="strip-mark" role="img" aria-label={t(`priority.${first.priority}`)}>
             {marks[first.priority]}
           </span>
         )}
-        <span ref={line} class="strip-words">
+        <span class="strip-words">
           <strong>{first.text}</strong> {/* Not read aloud: the whole sentence would be read again each second. */}
           {first.id === 'link' && data !== 'none' ? <strong aria-hidden="true">· {t('strip.noData', { s: fixed(age_s, 0) })} </strong> : null}
           <span>{first.action}</span>
         </span>
       </div>
-      {openable ? (
-        <button
-          type="button"
-          class="quiet"
-          aria-expanded={all}
-          aria-label={others > 0 ? t('strip.others', { n: others }) : t('strip.whole')}
-          onClick={() => setAll(!all)}
-        >
-          {others > 0 ? `+${others}` : '…'}
-        </button>
-      ) : null}
-      <SoundButton alarms={alarms.map(({ id, priority, hoist }) => ({ id, priority, hoist: hoist === true }))} />
-      {ready.stopped && ready.reachable ? (
-        <HoldButton
-          label={t('stop.release')}
-          hint={ready.may ? t('stop.releaseHint') : refusalText('not_allowed')}
-          hold_ms={releaseHold_ms}
-          disabled={busy || !ready.may}
-          onBegin={() => {
-            seen.current = activeFaults(bits).map((fault) => fault.name);
-          }}
-          onDone={() => void release()}
-        />
-      ) : null}
-      {all && openable ? (
+      {all && more.length > 0 ? (
         <Scroll class="strip-more card" label={t('priority.medium')}>
           <ul>
             {alarms.map((alarm) => (
