@@ -72,6 +72,15 @@ describe('Home', { timeout: minutes_ms }, () => {
     await other.close();
   });
 
+  it('goes by the clock of the hoist for what was today, not by that of the tablet', async () => {
+    const days_ms = 3 * 86_400_000;
+    await page.clock.setFixedTime(Date.now() - days_ms);
+    await page.reload();
+    await page.locator('.home .rows li', { hasText: 'P-017' }).waitFor();
+    await page.getByRole('heading', { name: en['home.today'] }).waitFor({ timeout: 5000 });
+    expect((await rows())[0]).toBe('P-017');
+  });
+
   it('never offers a new patient in place of one that exists: 017 shows P-017 first, and the new one below', async () => {
     await page.locator('.home input[type=search]').fill('017');
     await expect.poll(rows, { timeout: 10_000 }).toEqual(['P-017']);

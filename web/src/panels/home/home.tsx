@@ -32,6 +32,13 @@ function usePatients(search: string, again: string) {
   );
 }
 
+/** The day by the hoist's clock, by which visits have theirs: a tablet's clock may be wrong. Null until the hoist has told it. */
+function useToday(again: string) {
+  const time = useQuery(() => rest('GET /api/v1/time', { query: { client_utc_ms: Date.now() } }), [again]);
+  const behind_s = time.value?.client_behind_s ?? 0;
+  return { ...time, value: time.value === null ? null : dayOf(new Date(Date.now() + behind_s * 1000)) };
+}
+
 export function HomeView() {
   useSettings();
   const [search, setSearch] = useState('');
@@ -43,6 +50,7 @@ export function HomeView() {
   const again = `${recording} ${chosen?.code ?? ''}`;
   const patients = usePatients(search.trim(), again);
   const visits = useQuery(() => rest('GET /api/v1/visits', { query: { limit: pageSize } }), [again]);
+  const today = useToday(again);
   const archived = useQuery(() => wholeList((query) => rest('GET /api/v1/patients', { query: { ...query, archived: 1 } })), [again]);
   const may = ready.may && !ready.led && !busy;
 
@@ -62,15 +70,16 @@ export function HomeView() {
       return choosePatient(answer.value.id);
     });
 
-  const today = dayOf(new Date());
-  const of_today = (visits.value?.items ?? []).filter((visit) => visit.day === today);
+  const of_today = (visits.value?.items ?? []).filter((visit) => visit.day === today.value);
   const seen = found(of_today, search);
   const others = found(
     (patients.value?.items ?? []).filter((patient) => !of_today.some((visit) => visit.patient === patient.id)),
     search,
   );
   const typed = search.trim();
-  const loaded = patients.value !== null && visits.value !== null;
+  const asked = [patients, visits, today];
+  const loaded = asked.every(({ value }) => value !== null);
+  const failed = asked.find((one) => one.problem !== null)?.problem ?? null;
   return (
     <div class="home">
       <section class="card home-chosen" aria-label={t('home.patient')}>
@@ -115,8 +124,8 @@ export function HomeView() {
           onInput={(event) => setSearch(event.currentTarget.value)}
         />
         <Trouble problem={problem} />
-        <Trouble problem={patients.problem ?? visits.problem} retry={() => [patients, visits].forEach((one) => one.retry())} />
-        {!loaded && patients.problem === null && visits.problem === null ? <p class="hint">{t('common.loading')}</p> : null}
+        <Trouble problem={failed} retry={() => asked.forEach((one) => one.retry())} />
+        {!loaded && failed === null ? <p class="hint">{t('common.loading')}</p> : null}
         {seen.length > 0 ? <h2>{t('home.today')}</h2> : null}
         <ul class="rows">
           {seen.map((visit) => (
