@@ -109,7 +109,10 @@ it(
     await other.locator('.mode-user').waitFor();
     expect(await take.count(), 'not from a screen that is here').toBe(0);
     await driver.close();
-    await other.locator('.control', { hasText: 'Niemand' }).waitFor();
+    const nobody = other.locator('.control', { hasText: 'Niemand' }).locator('.bar-value');
+    await other.setViewportSize({ width: 1024, height: 768 });
+    await expect.poll(() => nobody.evaluate((value) => value.scrollWidth <= value.clientWidth && value.clientWidth > 0)).toBe(true);
+    await other.setViewportSize({ width: 390, height: 844 });
     fake.as('viewer');
     const viewer = await open([1024, 768], 'de', 'walk', '.mode-user');
     fake.as('engineer');

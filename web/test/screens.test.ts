@@ -278,6 +278,42 @@ describe.each([
   });
 });
 
+describe('the longest words of buttons', () => {
+  it.each([
+    [[360, 640], '.nav a', 0],
+    [[390, 844], '.nav a', 0],
+    [[1024, 768], '.markers button', 4],
+  ] as const)('at %j are apart in %s', { timeout: minutes_ms }, async (size, place, inside_px) => {
+    const page = await open(size, looks[1], 'walk');
+    await page.locator(last.walk).first().waitFor();
+    const close = await page.evaluate(
+      ([buttons, inside]) => {
+        const boxes = [...document.querySelectorAll(`${buttons}, .stop`)].map((button) => {
+          const text = document.createRange();
+          text.selectNodeContents(button.querySelector('span') ?? button);
+          const { left, right, top, bottom } = button.matches('.stop') ? button.getBoundingClientRect() : text.getBoundingClientRect();
+          const edge = button.getBoundingClientRect();
+          return {
+            name: button.textContent,
+            left,
+            right,
+            top,
+            bottom,
+            out: !button.matches('.stop') && (left < edge.left + inside || right > edge.right - inside),
+          };
+        });
+        const near = (a: (typeof boxes)[number], b: (typeof boxes)[number]) =>
+          a.left < b.right + 3 && b.left < a.right + 3 && a.top < b.bottom && b.top < a.bottom;
+        const pairs = boxes.flatMap((a, i) => boxes.slice(i + 1).map((b) => [a, b] as const)).filter(([a, b]) => near(a, b));
+        return [...pairs.map(([a, b]) => `${a.name} at ${b.name}`), ...boxes.filter(({ out }) => out).map(({ name }) => name)];
+      },
+      [place, inside_px] as const,
+    );
+    expect(close).toEqual([]);
+    await page.close();
+  });
+});
+
 describe('the status bar', () => {
   it('shows each text and picture whole, on phones and at 200 % zoom', { timeout: minutes_ms }, async () => {
     fake.hoist.patient = { code: 'P-0042-B' };
