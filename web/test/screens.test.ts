@@ -259,6 +259,7 @@ describe.each([
       await page.locator('.task-strip').waitFor();
       await page.getByRole('button', { name: de['drive.start'] }).click();
       await page.locator('.pad.active').waitFor();
+      await page.locator('.task-strip').getByText(de['task.leaveLater']).waitFor();
       // Also with the longest word about the task, which is there for a moment when an interrupted one goes on.
       for (const word of [de['task.broken'], de['task.next'], de['task.ready']]) {
         const [pad, main] = await page.locator('.task-strip .num').evaluate((phase, text) => {

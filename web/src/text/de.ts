@@ -384,6 +384,7 @@ export const de: Table = {
   'task.next': 'Bereit für den nächsten',
   'task.done': 'Alle geschafft',
   'task.leave': 'Aufgabe beenden',
+  'task.leaveLater': 'Aufgabe beenden: zuerst anhalten',
   'task.resting': 'Pause: {time}',
 
   'tune.preset': 'Voreinstellung',

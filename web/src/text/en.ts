@@ -389,6 +389,7 @@ export const en = {
   'task.next': 'Ready for the next one',
   'task.done': 'All done',
   'task.leave': 'End the task',
+  'task.leaveLater': 'To end the task, stop first',
   'task.resting': 'Rest: {time}',
 
   'tune.preset': 'Preset',

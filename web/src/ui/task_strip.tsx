@@ -50,9 +50,13 @@ function Strip({ task }: { task: TaskState }) {
       <span class="num" role="timer">
         {t(phase.key, { time: duration(phase.seconds) })}
       </span>
-      <button type="button" class="quiet" disabled={led || !may} onClick={() => void leave()}>
-        {t('task.leave')}
-      </button>
+      {led ? (
+        <span class="hint task-leave">{t('task.leaveLater')}</span>
+      ) : (
+        <button type="button" class="quiet task-leave" disabled={!may} onClick={() => void leave()}>
+          {t('task.leave')}
+        </button>
+      )}
     </div>
   );
 }
