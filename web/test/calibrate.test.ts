@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { directed, entry, nowKey, resultOf, stepNames, stepsFor, watched, type Now } from '../src/panels/calibrate/model';
 import type { Calibration, CalibrationItem, CalibrationStep } from '../src/contract/rest.gen';
 import { calibrate } from '../src/text/calibrate';
+import { de } from '../src/text/de';
 import { en } from '../src/text/en';
 import { textOf } from '../src/text/text';
 import { eachPage, minutes_ms } from '../test-support/browser';
@@ -74,6 +75,27 @@ describe('the Calibrate screen', () => {
       ['far', true],
     ] as const)
       expect(directed(text, reversed), text).toBeNaN();
+  });
+});
+
+describe('a typed size on a phone', { timeout: minutes_ms }, () => {
+  const start = eachPage(360, 640);
+  it('brings into view why it is refused', async () => {
+    const { fake, page } = await start({}, 'de');
+    await page.goto(`${fake.url}#/calibrate/square`);
+    await page.locator('.mode-standby').waitFor();
+    const words = calibrate.de;
+    const seen = async (text: string) => {
+      const [box, main] = [await page.locator('main').getByText(text).boundingBox(), await page.locator('main').boundingBox()];
+      return box !== null && box.y >= main!.y - 1 && box.y + box.height <= main!.y + main!.height + 1;
+    };
+    await page.getByRole('button', { name: words['calibrate.start'], exact: true }).click();
+    await page.locator('input[name=figure]').fill('1.000');
+    await expect.poll(() => seen(de['tune.number'])).toBe(true);
+    for (const name of ['figure', 'x', 'y']) await page.locator(`input[name=${name}]`).fill('4');
+    fake.refuse('calibrate_measure', 'out_of_order');
+    await page.getByRole('button', { name: words['calibrate.measure'], exact: true }).click();
+    await expect.poll(() => seen(de['refused.title'])).toBe(true);
   });
 });
 

@@ -34,6 +34,9 @@ export function useRequest(): Request {
   return { busy: under_way > 0, reply, ask, forget: () => setReply(null) };
 }
 
+/** As `ref`: what appears comes into view, so that a reason is not below the edge of a phone. */
+export const bringIntoView = (shown: Element | null): void => shown?.scrollIntoView({ block: 'nearest' });
+
 /** Tells a refusal at the edge of the screen: for buttons without a place for it. */
 export function tell(answer: Reply): void {
   if (refused(answer)) notify('warning', reasons(answer).join(' '), true);
@@ -59,7 +62,7 @@ export function Refusal({ request: { reply, forget } }: { request: Request }) {
   }, [over]);
   if (reply === null || over) return null;
   return (
-    <div class="refusal" role="alert">
+    <div ref={bringIntoView} class="refusal" role="alert">
       <div>
         <strong>{t('refused.title')}</strong>
         <ul>

@@ -13,7 +13,7 @@ import type { TextKey } from '../../text/en';
 import { useSettings } from '../../text/settings';
 import { date, fixed, noValue, shownAs, t, words, withUnit } from '../../text/text';
 import { HoldButton } from '../../ui/hold_button';
-import { Refusal, useRequest, WatchOnly } from '../../ui/refusal';
+import { bringIntoView, Refusal, useRequest, WatchOnly } from '../../ui/refusal';
 import { radioKeys } from '../../ui/radio_keys';
 import { addressOf, go } from '../../router';
 import type { PanelProps } from '../panel';
@@ -221,7 +221,7 @@ function Entry({
         {t('calibrate.measure')}
       </button>
       {unclear ? (
-        <p class="form-error" role="alert">
+        <p ref={bringIntoView} class="form-error" role="alert">
           {t('tune.number')}
         </p>
       ) : null}
@@ -301,7 +301,7 @@ function Guide({
                 </p>
               ) : null}
               {reason !== undefined ? (
-                <p class="calibrate-reason" role="alert">
+                <p key={measures} ref={bringIntoView} class="calibrate-reason" role="alert">
                   {words(reason.text)}
                 </p>
               ) : null}
