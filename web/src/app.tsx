@@ -38,11 +38,11 @@ export function App() {
   if (words.state === 'ready' && gate) return <Gate />;
   return (
     <div class={`shell${led ? ' led' : ''}${asking ? ' asking' : ''}`}>
+      {words.state === 'ready' ? <Strip /> : null}
       {/* While a question is open, neither key nor finger reaches anything else except STOP and the alarms. */}
       <div class="shell-parts" inert={asking}>
         {words.state === 'ready' ? <Shell /> : <main class="main">{words.state === 'failed' ? <LoadFailed /> : null}</main>}
       </div>
-      {words.state === 'ready' ? <Strip /> : null}
       <StopButton />
       {asking ? <TakeOver answer={answer} /> : null}
     </div>

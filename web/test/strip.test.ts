@@ -92,6 +92,8 @@ const trouble = (page: Page, sentence: string): Promise<string[]> =>
     const at = (x: number, y: number) => document.elementFromPoint(x, y);
     const inside = (a: DOMRect, b: DOMRect) => a.left >= b.left - 1 && a.right <= b.right + 1 && a.top >= b.top - 1 && a.bottom <= b.bottom + 1;
     const over = (a: DOMRect, b: DOMRect) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+    // First for keys and screen readers, too.
+    if (strip.compareDocumentPosition(document.querySelector('main')!) !== Node.DOCUMENT_POSITION_FOLLOWING) found.push('behind the panel');
     if (words.textContent.replace(/\s+/g, ' ').trim() !== wanted) found.push(`says: ${words.textContent}`);
     for (let part = words; part !== strip.parentElement; part = part.parentElement!) {
       const { overflow, textOverflow, webkitLineClamp } = getComputedStyle(part);
@@ -123,6 +125,7 @@ describe.each([
   [360, 640],
   [390, 844],
   [844, 390],
+  [768, 1024],
   [1024, 768],
   [1280, 800],
 ])('an alarm at %i × %i', { timeout: minutes_ms }, (width, height) => {
@@ -182,6 +185,8 @@ describe.each([
       expect(await trouble(page, alarms[0]!.words), `stopped, ${what}`).toEqual([]);
       const [strip, main] = [await page.locator('.strip').boundingBox(), await page.locator('.main').boundingBox()];
       expect(strip!.y + strip!.height, `stopped, ${what}`).toBeLessThanOrEqual(main!.y);
+      // Also beside the buttons the text is no narrow column.
+      expect(strip!.height, `stopped, ${what}`).toBeLessThanOrEqual(110);
 
       fake.hoist.mode = 'standby';
       await page.locator('.strip .hold').waitFor({ state: 'detached' });
