@@ -353,6 +353,9 @@ Verdict use_calibration(CoreState& state, const Command& command) noexcept {
   const contract::CalibrationStepInfo& info = *contract::find_calibration_step(static_cast<std::uint32_t>(calibration.step));
   Staging set = calibration.result;
   if (!add_date(set, info.date, command.v0)) return refused(Refusal::out_of_range);
+  // The step takes the neutral posture back, so its date is no longer true.
+  if (info.step == contract::CalibrationStep::zero)
+    static_cast<void>(set.rows.push_back({contract::param_index(contract::ParamName::calibrated_neutral_s), 0.0}));
   sign_parts(state, set);
   put_into_force(state, set, {command.request_id, command.client}, 0);
   leave_calibration(state, true);

@@ -73,6 +73,7 @@ TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
   ASSERT_EQ(hoist.ask(CommandKind::take_lease), 0U);
   contract::Params leaning = hoist.state.params;
   leaning.neutral_lean_m = 0.03;
+  leaning.calibrated_neutral_s = kToday_s - 86400;
   install_params(hoist.state, leaning);
   ASSERT_EQ(begin(hoist, CalibrationStep::zero, Role::therapist), 0U);
   EXPECT_NE(hoist.ask(CommandKind::use_calibration, 7, 0, 0, kToday_s), 0U) << "there is no result yet";
@@ -96,6 +97,7 @@ TEST(Calibrate, TheZerosBecomeParametersAsOneSetWithTheirDate) {
   EXPECT_NEAR(hoist.state.params.right_beta_zero_rad, -2.0 * kDegree, 2e-5);
   EXPECT_NEAR(hoist.state.params.base_alpha_zero_rad, 0.701 * kDegree, 2e-5);
   EXPECT_EQ(hoist.state.params.neutral_lean_m, 0.0) << "it was taken against the old zeros";
+  EXPECT_EQ(hoist.state.params.calibrated_neutral_s, 0.0);
   EXPECT_EQ(hoist.state.params.calibrated_zero_s, kToday_s);
   hoist.step(5);
   EXPECT_NEAR(hoist.state.sensed.left_strut.alpha_rad(), 0.0, 5e-5);
