@@ -168,6 +168,8 @@ describe.each([
       await shown.waitFor();
       expect(await trouble(page, alarms[0]!.words), `driving, ${what}`).toEqual([]);
       expect(await place('.pad'), `driving, ${what}`).toBe(before);
+      const [alarm, pad] = [await page.locator('.strip').boundingBox(), await page.locator('.pad').boundingBox()];
+      expect(alarm!.y + alarm!.height, `driving, ${what}`).toBeLessThanOrEqual(pad!.y);
       // With letters so large that the text needs more than the row.
       const letters = (size: string) =>
         page.locator('.strip-words').evaluate((words, given) => void ((words as HTMLElement).style.fontSize = given), size);
