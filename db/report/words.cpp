@@ -155,7 +155,7 @@ std::string marker_kind_text(std::string_view kind, Language language) {
 }
 
 std::string clock_text(double seconds) {
-  const auto whole = static_cast<long>(std::max(0.0, seconds));
+  const long whole = std::lround(std::max(0.0, seconds));
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%ld:%02ld", whole / 60, whole % 60);
   return text.data();

@@ -35,7 +35,7 @@ enum class Word : std::uint8_t {
 [[nodiscard]] std::string_view no_change_text(NoChange why, Language language);
 /// What a marker of this kind says; "note" for a kind that is not known.
 [[nodiscard]] std::string marker_kind_text(std::string_view kind, Language language);
-/// 75 s as "1:15".
+/// 75.4 s as "1:15": rounded as in the console.
 [[nodiscard]] std::string clock_text(double seconds);
 /// A moment by this computer's clock: "2026-11-25 14:05", "25.11.2026 14:05".
 [[nodiscard]] std::string time_text(std::int64_t utc_ns, Language language);

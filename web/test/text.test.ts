@@ -155,7 +155,9 @@ describe('numbers', () => {
 
   it('show durations and dates', () => {
     expect(duration(0)).toBe('0:00');
-    expect(duration(75.9)).toBe('1:15');
+    expect(duration(75.4)).toBe('1:15');
+    expect(duration(11.5)).toBe('0:12');
+    expect(duration(3599.6)).toBe('1:00:00');
     expect(duration(3671)).toBe('1:01:11');
     expect(duration(-2)).toBe('0:00');
     expect(duration(undefined)).toBe('–');

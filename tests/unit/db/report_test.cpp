@@ -491,6 +491,9 @@ TEST(Report, NumbersRoundAsInABrowser) {
   EXPECT_EQ(en(99.96, 1), "100.0");
   EXPECT_EQ(en(-0.04, 1), "0.0");
   EXPECT_EQ(report::number_text(-1234.5, 1, Language::de), "\u22121234,5");
+  EXPECT_EQ(report::clock_text(75.4), "1:15");
+  EXPECT_EQ(report::clock_text(11.5), "0:12");
+  EXPECT_EQ(report::clock_text(59.6), "1:00");
 }
 
 TEST(Report, TheToolWritesTheSamePages) {
