@@ -1,6 +1,7 @@
 // What the server may ask of the core, and what the core tells back. Plain bytes that lie in shared memory.
 // The core treats every field that comes from the server as hostile: it copies once, then checks range, finiteness, age and lease.
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <string_view>
 #include <type_traits>
@@ -9,10 +10,11 @@ namespace hoist::contract {
 
 enum class CommandKind : std::uint32_t {
   none = 0,
-  stop = 1,          // anyone; protective stop, never refused
-  request_mode = 2,  // a = Mode: one that standby leads to, lease holder only; standby: anyone while the hoist is led
+  stop = 1,  // anyone; protective stop, never refused
+  // a = Mode: one that standby leads to, lease holder only; standby: anyone while the hoist is led. bits = echo (put_echo).
+  request_mode = 2,
   // leave PROTECTIVE_STOP, FAULT or EMERGENCY_STOP once the cause is gone; role in b, bits = faults that the client was
-  // shown, 0 = not named; lease holder only
+  // shown, 0 = not named; v0 = echo (put_echo); lease holder only
   acknowledge = 3,
   // client asks to be the driver; granted when free, or when standing still and a = kTakeOver, or kHandOver: the holder gives it to this
   // client, lease_epoch = that of the lease handed over
@@ -23,7 +25,7 @@ enum class CommandKind : std::uint32_t {
   // unless confirmed; all or nothing
   commit_parameters = 7,
   // A start mark: v0 = x_m, v1 = y_m, v2 = psi_rad; standing still only. a = key of the exercise that begins there, 0 = none. With the key
-  // of the newest mark the exercise goes on and the pose stays, unless b = kStartAgain.
+  // of the newest mark the exercise goes on and the pose stays, unless b = kStartAgain. bits = echo where it belongs to a start.
   set_pose = 8,
   // v0 = seconds since 1970 UTC: take the mean of the last second as neutral; standing still only; stored as parameters with their date
   set_neutral = 9,
@@ -40,7 +42,8 @@ enum class CommandKind : std::uint32_t {
   confirm_parameters = 30,   // keeps the values on trial; role in b, a = the version that was shown, 0 = any
   revert_parameters = 31,    // reverts the values on trial now; role in b
   pause_alarm = 32,  // a = 1: the alarms in force stop sounding for kAudioPause_s; 0: they sound again; role in b, therapist or engineer
-  // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s; lease holder only.
+  // Exercises (guided_path.hpp): a = shape, with bit 8 for clockwise, b = laps, v0 = size_m, v1 = radius_m, v2 = speed_m_s, bits = echo;
+  // lease holder only.
   begin_guided = 25,
 };
 
@@ -59,16 +62,37 @@ struct Command {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   double v0 = 0, v1 = 0, v2 = 0;
-  std::uint64_t bits = 0;  // acknowledge: FaultBits; commit_parameters: ParamSetSeal
+  std::uint64_t bits = 0;  // acknowledge: FaultBits; commit_parameters: ParamSetSeal; of a start: echo
 };
 static_assert(sizeof(Command) == 64 && std::is_trivially_copyable_v<Command>);
+
+/// An echo is the time_ns of the newest telemetry record that the sender of a command had seen, so its age is counted on the core's clock alone.
+/// Whether it is at most `most_s` seconds old; one from the future is not.
+[[nodiscard]] constexpr bool is_fresh_echo(std::uint64_t echo_time_ns, std::uint64_t now_ns, double most_s) {
+  return echo_time_ns <= now_ns && static_cast<double>(now_ns - echo_time_ns) * 1e-9 <= most_s;
+}
+/// A start or an acknowledgement whose echo is older than this is refused as stale_command: its sender may be gone.
+inline constexpr double kEchoAge_s_max = 1.0;
+/// Puts the echo into a command that begins motion or leaves a stop, where its kind has room; others have none. 0: not told, its age is not judged.
+constexpr void put_echo(Command& command, std::uint64_t echo_time_ns) {
+  if (command.kind == CommandKind::acknowledge) command.v0 = std::bit_cast<double>(echo_time_ns);
+  if (command.kind == CommandKind::request_mode || command.kind == CommandKind::begin_guided || command.kind == CommandKind::set_pose)
+    command.bits = echo_time_ns;
+}
+/// The echo of a command; 0 where it has none.
+[[nodiscard]] constexpr std::uint64_t echo_of(const Command& command) {
+  if (command.kind == CommandKind::acknowledge) return std::bit_cast<std::uint64_t>(command.v0);
+  const bool begins =
+      command.kind == CommandKind::request_mode || command.kind == CommandKind::begin_guided || command.kind == CommandKind::set_pose;
+  return begins ? command.bits : 0;
+}
 
 // The newest driving command; only the latest counts. Speeds are shares of the driving limits, -1 to 1.
 struct DriveCommand {
   std::uint32_t lease_epoch = 0;
   std::uint32_t client = 0;
   std::uint64_t sequence = 0;      // rises with every command of one lease
-  std::uint64_t echo_time_ns = 0;  // time_ns of the newest telemetry record the client had seen: the command's age counts from it
+  std::uint64_t echo_time_ns = 0;  // the command's age counts from it
   double speed_norm = 0;
   double yaw_norm = 0;
   std::uint64_t held = 0;  // 1 while hold-to-run is held; any other value is a release

@@ -32,6 +32,7 @@ Command command_of(CommandKind kind, const Asker& asker) {
   command.kind = kind;
   command.client = asker.client;
   command.lease_epoch = asker.epoch;
+  contract::put_echo(command, asker.echo_time_ns);
   return command;
 }
 // What the core stores with today's date. Whole seconds: a day is all that anybody looks at.
@@ -53,6 +54,9 @@ Outcome outcome_of(const CoreAnswer& answer) {
       outcome.refusals = refusal_names(answer.bits);
       for (const contract::RefusalInfo& r : contract::kRefusals)
         if (r.bit == answer.code) outcome.detail = r.text_en;
+      if ((answer.bits & contract::refusal_bit(contract::Refusal::stale_command)) != 0)
+        outcome.detail =
+            "It may be at most 1 s old, counted from the newest step that its sender had seen or from the first byte of its request.";
       constexpr std::uint32_t kBadValue = contract::refusal_bit(contract::Refusal::out_of_range) |
                                           contract::refusal_bit(contract::Refusal::not_finite) |
                                           contract::refusal_bit(contract::Refusal::inconsistent_set);
@@ -381,9 +385,24 @@ void act_stop(Services& services, const Asker& asker, OutcomeDone done) {
   services.core.stop(asker.client, std::move(answered));
 }
 
+namespace {
+// What a client that is gone asked for moves nothing. False: `done` has been told.
+bool is_there(Services& services, const Asker& asker, const OutcomeDone& done) {
+  if (!asker.gone) return true;
+  services.counters.add(Count::commands_refused);
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::refused;
+  outcome.refusals = refusal_names(contract::refusal_bit(contract::Refusal::stale_command));
+  outcome.detail = "The connection of its sender had ended.";
+  done(outcome);
+  return false;
+}
+}  // namespace
+
 void act_acknowledge(Services& services, const Asker& asker, const json& seen, OutcomeDone done) {
   if (!begin_action(services, asker, Action::acknowledge, {{}, {}, seen.is_null() ? std::nullopt : std::optional(dump_json(seen))}, done))
     return;
+  if (!is_there(services, asker, done)) return;
   Command command = command_of(CommandKind::acknowledge, asker);
   bool usable = seen.is_null() || (seen.is_array() && !seen.empty());
   if (seen.is_array())
@@ -528,6 +547,7 @@ void act_mode(Services& services, const Asker& asker, const ModeWish& wish, Outc
     ask(services, request, std::move(done));
     return;
   }
+  if (!is_there(services, asker, done)) return;
   if (*mode == contract::Mode::guided && !services.core.has_parameters()) {
     // Without the parameters in force there are no limits to hold the exercise against.
     done(outcome_of({.kind = CoreAnswer::Kind::no_core}));

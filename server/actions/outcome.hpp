@@ -37,6 +37,9 @@ struct Asker {
   contract::Role role = contract::Role::viewer;
   bool over = false;                  // its sign-in has run out: it may go on with what it holds and end it, and begin nothing
   std::shared_ptr<bool> logged = {};  // set when an action writes the audit log for this request; may be null
+  // Only of what begins motion or leaves a stop: the time_ns of the newest step that its sender had seen (contract::put_echo), 0 = not told.
+  std::uint64_t echo_time_ns = 0;
+  bool gone = false;  // the end of its connection has been read: it begins no motion and leaves no stop
 };
 
 }  // namespace hoist::server

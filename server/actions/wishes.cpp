@@ -1,5 +1,6 @@
 #include "server/actions/wishes.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace hoist::server {
@@ -16,6 +17,17 @@ std::optional<Value> read(const json& fields, const char* name) {
 
 std::optional<double> number_wish(const json& fields, const char* name) { return read<double>(fields, name); }
 std::uint32_t version_wish(const json& fields) { return read<std::uint32_t>(fields, "version").value_or(0); }
+
+std::optional<std::uint64_t> whole_wish(const json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (!value.is_number() || !(value.get<double>() >= 0 && value.get<double>() < 1.8e19)) return std::nullopt;
+  return static_cast<std::uint64_t>(value.get<double>());
+}
+std::uint64_t echo_wish(const json& fields) {
+  const auto at = fields.find("echo");
+  return at == fields.end() || at->is_null() ? 0 : std::max<std::uint64_t>(whole_wish(*at).value_or(0), 1);
+}
+
 HandOverWish hand_over_wish(const json& fields) { return {read<std::uint32_t>(fields, "client"), read<std::string>(fields, "user")}; }
 
 CalibrateWish calibrate_wish(const json& fields) {

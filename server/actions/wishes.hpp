@@ -37,5 +37,9 @@ using NumbersByName = std::vector<std::pair<std::string, double>>;
 [[nodiscard]] std::optional<double> number_wish(const nlohmann::json& fields, const char* name);
 // Of the parameters that were looked at, 0 = whichever are in force.
 [[nodiscard]] std::uint32_t version_wish(const nlohmann::json& fields);
+// A whole number that a JavaScript number may hold; large ones come as doubles.
+[[nodiscard]] std::optional<std::uint64_t> whole_wish(const nlohmann::json& value);
+// The newest step that the sender had seen (Asker::echo_time_ns), from any message; 0 = it does not say. What is no time counts as the oldest.
+[[nodiscard]] std::uint64_t echo_wish(const nlohmann::json& fields);
 
 }  // namespace hoist::server

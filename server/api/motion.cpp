@@ -33,9 +33,21 @@ void get_mode(const CallPtr& call) {
                                            : json(nullptr)}});
 }
 
+namespace {
+// What begins motion or leaves a stop counts from the first byte of its request, or from an older step that its sender had seen.
+std::optional<Asker> driver_who_saw(const CallPtr& call, bool header_required = false) {
+  auto asker = driver(call, header_required);
+  if (!asker) return asker;
+  const std::uint64_t echo = echo_wish(*call->body);
+  asker->echo_time_ns = echo == 0 ? call->request.stamp : std::min(echo, call->request.stamp);
+  asker->gone = call->request.sender_gone;
+  return asker;
+}
+}  // namespace
+
 void set_mode(const CallPtr& call) {
   const bool ends = field(*call, "mode") == "standby";
-  if (const auto asker = driver(call, !ends))
+  if (const auto asker = driver_who_saw(call, !ends))
     act_mode(call->services, *asker, {field(*call, "mode"), field(*call, "exercise"), field(*call, "path"), field(*call, "start_again")},
              answer_done(call));
 }
@@ -43,7 +55,7 @@ void set_mode(const CallPtr& call) {
 void stop(const CallPtr& call) { act_stop(call->services, asker_of(*call), answer_done(call)); }
 
 void acknowledge(const CallPtr& call) {
-  if (const auto asker = driver(call)) act_acknowledge(call->services, *asker, field(*call, "seen"), answer_done(call));
+  if (const auto asker = driver_who_saw(call)) act_acknowledge(call->services, *asker, field(*call, "seen"), answer_done(call));
 }
 
 void take_lease(const CallPtr& call) {

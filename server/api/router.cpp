@@ -299,6 +299,11 @@ Router::Router(RestContext& rest)
   rest_.pages = &pages_;
 }
 
+std::uint64_t Router::stamp() const {
+  const auto& newest = rest_.services.core.newest();
+  return newest ? std::max<std::uint64_t>(newest->time_ns, 1) : 1;
+}
+
 bool Router::may_enter(const Request& request) {
   const Clocks now = clocks_of(rest_.services.utc_ns(), rest_.services.now_ns());
   const auto token = request.query.find("token");

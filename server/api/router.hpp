@@ -18,6 +18,8 @@ class Router final : public RequestHandler {
   // Reads the pages of `--web`.
   explicit Router(RestContext& rest);
   void handle(Request request, std::function<void(Response)> answer) override;
+  // The newest step of the core; 1, before every step, while none is known.
+  [[nodiscard]] std::uint64_t stamp() const override;
   [[nodiscard]] bool may_enter(const Request& request) override;
   // Of the audit log: what was downloaded in parts is told when it is over (download_log.hpp).
   void tell_downloads(std::uint64_t now_ns) { downloads_.tick(now_ns); }

@@ -27,7 +27,8 @@ namespace {
 constexpr std::string_view kSchemas = R"json({
 "OpenApi": {"type": "object", "required": ["openapi", "info", "paths", "components"], "properties": {"openapi": {"const": "3.1.0"}}},
 "Empty": {"type": "object", "additionalProperties": false, "description": "No fields; the body may be left out."},
-"AcknowledgeRequest": {"type": "object", "properties": {"seen": {"type": "array", "minItems": 1, "maxItems": 53, "items": {"type": "string", "maxLength": 32},
+"Echo": {"type": "number", "minimum": 0, "description": "time_ns of the newest record that the sender had seen. When it is older than 1 s, or not from this run of the core, motion does not begin and no stop is left (stale_command). Left out: over REST the first byte of the request counts"},
+"AcknowledgeRequest": {"type": "object", "properties": {"echo": {"$ref": "#/components/schemas/Echo"}, "seen": {"type": "array", "minItems": 1, "maxItems": 53, "items": {"type": "string", "maxLength": 32},
   "description": "Names of the faults that were shown when the hand went down, see /api/v1/faults; refused when another has come since"}},
   "additionalProperties": false, "description": "The body may be left out."},
 "AlarmPauseRequest": {"type": "object", "required": ["paused"], "properties": {"paused": {"type": "boolean",
@@ -408,7 +409,7 @@ constexpr std::string_view kSchemas = R"json({
   "x_m": {"type": "number", "minimum": -1000, "maximum": 1000, "description": "Of a square: how far ahead of the shown place it truly ended"},
   "y_m": {"type": "number", "minimum": -1000, "maximum": 1000}, "turning": {"enum": ["left", "right"]}}, "additionalProperties": false},
 "ModeRequest": {"type": "object", "required": ["mode"], "properties": {"mode": {"enum": ["user", "remote", "guided", "standby"]}, "exercise": {"$ref": "#/components/schemas/ExerciseOrNull"},
-  "path": {"$ref": "#/components/schemas/GuidedPathOrNull"},
+  "path": {"$ref": "#/components/schemas/GuidedPathOrNull"}, "echo": {"$ref": "#/components/schemas/Echo"},
   "start_again": {"type": "boolean", "description": "True sets a new start mark. Otherwise the same exercise goes on from where the hoist is; another one begins at its start"}},
   "additionalProperties": false},
 "LeaseRequest": {"type": "object", "properties": {"take_over": {"type": "boolean", "description": "Also when somebody else is in control; only while the hoist stands still"}},

@@ -25,6 +25,8 @@ struct Request {
   std::string address;     // of the peer
   bool from_here = false;  // the peer is this computer itself
   bool wants_upgrade = false;
+  std::uint64_t stamp = 0;   // RequestHandler::stamp() when its first byte was read
+  bool sender_gone = false;  // of a POST: its sender had closed before it was handled
 
   // The value of a header (name in lower case), or nothing.
   [[nodiscard]] std::string_view header(std::string_view name) const;

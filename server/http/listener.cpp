@@ -271,6 +271,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const auto room = buffer_.prepare(most);
     const Stream::Taken taken = stream_->read({static_cast<char*>(room.data()), room.size()});
     buffer_.commit(taken.count);
+    if (taken.count > 0 && !stamp_) stamp_ = shared_->handler.stamp();
     return taken;
   }
 
@@ -441,6 +442,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void handle() {
     if (ending_) keep_ = false;
+    request_.stamp = stamp_.value_or(0);
+    // Bytes of a next request may be as old as this one.
+    if (buffer_.size() == 0) stamp_.reset();
     if (!readable_) {
       shared_->counters.add(Count::http_refused_malformed);
       send(problem_response({.status = 400,
@@ -451,6 +455,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     request_.body = std::move(parser_->get().body());
+    if (request_.method == Method::post && kind_ != Seat::stop) request_.sender_gone = read_some(kHeaderRead_bytes).ended;
     // The core's answer is bounded at half a second and the recorder's by its queue; the time limit is for the client's side.
     limit_time(kIdleTime_s);
     shared_->handler.handle(std::move(request_), [self = shared_from_this()](Response response) { self->send(std::move(response)); });
@@ -605,9 +610,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::size_t body_limit_ = kImageLimit_bytes;  // of the request that is being read
   beast::flat_buffer buffer_{kHeaderLimit_bytes + kBodyLimit_bytes};
   std::optional<Parser> parser_;
-  Request request_;        // what its header says; the body follows
-  bool readable_ = false;  // its target
-  bool in_header_ = true;  // being read; else the body
+  Request request_;                     // what its header says; the body follows
+  bool readable_ = false;               // its target
+  bool in_header_ = true;               // being read; else the body
+  std::optional<std::uint64_t> stamp_;  // of the request whose bytes are being read
   std::size_t header_bytes_ = 0;
   std::string outgoing_;
   std::size_t written_ = 0;              // of it

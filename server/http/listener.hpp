@@ -39,6 +39,8 @@ inline constexpr int kWriteTime_s = 20;
 class RequestHandler {
  public:
   virtual ~RequestHandler() = default;
+  // What dates a request at its first byte (Request::stamp), for a handler that judges its age.
+  [[nodiscard]] virtual std::uint64_t stamp() const { return 0; }
   // Answers exactly once, now or later, on the network thread.
   virtual void handle(Request request, std::function<void(Response)> answer) = 0;
   // Whether a seat that is kept for clients who are signed in is for this request, of which the body is still to come.

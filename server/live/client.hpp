@@ -45,6 +45,7 @@ class Client final : public SocketConnection {
  public:
   Client(ClientOwner& hub, std::unique_ptr<Stream> stream, SessionPtr session, std::uint32_t number, std::shared_ptr<void> seat);
 
+  using SocketConnection::has_ended;
   using SocketConnection::send;
   void send(const nlohmann::json& message);
 

@@ -25,7 +25,14 @@ Asker asker_of(const Client& client) {
   return {.client = client.number(),
           .epoch = client.hub().services().core.lease_epoch(),
           .role = session.role,
-          .over = client.hub().over(session)};
+          .over = client.hub().over(session),
+          .gone = client.has_ended()};
+}
+// For what begins motion or leaves a stop.
+Asker asker_who_saw(const Client& client, const json& message) {
+  Asker asker = asker_of(client);
+  asker.echo_time_ns = echo_wish(message);
+  return asker;
 }
 
 json reply_json(const json& request, const Outcome& outcome) {
@@ -91,31 +98,25 @@ void lease_hand_over(Client& client, const json& message) {
   act_hand_over(client.hub().services(), asker_of(client), hand_over_wish(message), reply_to(client, message));
 }
 void mode(Client& client, const json& message) {
-  act_mode(client.hub().services(), asker_of(client),
+  act_mode(client.hub().services(), asker_who_saw(client, message),
            {field(message, "mode"), field(message, "exercise"), field(message, "path"), field(message, "start_again")},
            reply_to(client, message));
 }
 void stop(Client& client, const json&) { act_stop(client.hub().services(), asker_of(client), nullptr); }
 void acknowledge(Client& client, const json& message) {
-  act_acknowledge(client.hub().services(), asker_of(client), field(message, "seen"), reply_to(client, message));
+  act_acknowledge(client.hub().services(), asker_who_saw(client, message), field(message, "seen"), reply_to(client, message));
 }
 void pause_alarm(Client& client, const json& message) {
   act_pause_alarm(client.hub().services(), asker_of(client), field(message, "paused") == true, reply_to(client, message));
 }
 
-// A whole number that a JavaScript number may hold; large ones come as doubles.
-std::optional<std::uint64_t> whole(const json& value) {
-  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
-  if (!value.is_number() || !(value.get<double>() >= 0 && value.get<double>() < 1.8e19)) return std::nullopt;
-  return static_cast<std::uint64_t>(value.get<double>());
-}
 std::optional<double> number(const json& value) { return value.is_number() ? std::optional{value.get<double>()} : std::nullopt; }
 
 void drive(Client& client, const json& message) {
   Services& services = client.hub().services();
   const json& held = field(message, "held");
-  const DriveWish wish{.sequence = whole(field(message, "sequence")),
-                       .echo_time_ns = whole(field(message, "echo")),
+  const DriveWish wish{.sequence = whole_wish(field(message, "sequence")),
+                       .echo_time_ns = whole_wish(field(message, "echo")),
                        .speed_norm = number(field(message, "speed")),
                        .yaw_norm = number(field(message, "yaw")),
                        .held = held.is_boolean() ? std::optional{held.get<bool>()} : std::nullopt};

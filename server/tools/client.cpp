@@ -50,7 +50,8 @@ ToolClient::ToolClient(ToolOwner& hub, std::unique_ptr<Stream> stream, SessionPt
 Services& ToolClient::services() const { return hub_.services(); }
 bool ToolClient::holds_lease() const { return services().core.lease_holder() == number_; }
 Asker ToolClient::asker() const {
-  return {.client = number_, .epoch = services().core.lease_epoch(), .role = session_->role, .over = hub_.over(*session_)};
+  return {
+      .client = number_, .epoch = services().core.lease_epoch(), .role = session_->role, .over = hub_.over(*session_), .gone = has_ended()};
 }
 void ToolClient::on_leave() { hub_.remove(this); }
 
@@ -99,7 +100,10 @@ void ToolClient::on_pong(std::string_view payload) {
 }
 
 void ToolClient::watch(std::uint64_t now_ns, std::uint64_t newest_ns) {
-  if (!holds_lease()) return;
+  if (!holds_lease()) {
+    echo_ns_ = 0;  // of an earlier time in control
+    return;
+  }
   if (echo_ns_ > newest_ns) echo_ns_ = 0;  // of an earlier core
   std::string stamp(sizeof newest_ns, '\0');
   std::memcpy(stamp.data(), &newest_ns, sizeof newest_ns);
@@ -156,8 +160,11 @@ void ToolClient::call(ServiceId service, OutcomeDone done) {
       return act_take_lease(services(), asker(), false, std::move(done));
     case ServiceId::release_control:
       return act_release_lease(services(), asker(), std::move(done));
-    case ServiceId::drive:
-      return act_mode(services(), asker(), {kDrive, kNull, kNull, kNull}, std::move(done));
+    case ServiceId::drive: {
+      Asker who = asker();
+      who.echo_time_ns = echo_ns_;
+      return act_mode(services(), who, {kDrive, kNull, kNull, kNull}, std::move(done));
+    }
     case ServiceId::stand_by:
       return act_mode(services(), asker(), {kStandBy, kNull, kNull, kNull}, std::move(done));
   }

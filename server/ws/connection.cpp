@@ -1,5 +1,6 @@
 #include "server/ws/connection.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
@@ -31,23 +32,31 @@ void SocketConnection::wait() {
 }
 
 void SocketConnection::read() {
-  std::array<char, 4096> incoming;
-  const Stream::Taken taken = stream_->read(incoming);
-  if (taken.ended) {
-    gone();
-    return;
-  }
-  if (taken.count > 0) {
-    heard_ns_ = now_ns();
-    // After a close frame the rest is read and thrown away, so that our own close is not lost to a reset.
-    if (!closing_) take({incoming.data(), taken.count});
-  }
+  std::vector<Incoming> messages;
+  const bool good = read_turn(messages);
+  take(messages);
+  if (!good && !closing_) refuse_frame();
+  if (stream_ended_) gone();
   if (!gone_) wait();
 }
 
-void SocketConnection::take(std::string_view bytes) {
-  std::vector<Incoming> messages;
-  const bool good = reader_.feed(bytes, messages);
+bool SocketConnection::read_turn(std::vector<Incoming>& messages) {
+  std::array<char, 4096> incoming;
+  bool good = true;
+  for (std::size_t count = 0; good && count < kReadTurn_bytes;) {
+    const Stream::Taken taken = stream_->read(incoming);
+    stream_ended_ = taken.ended;
+    if (taken.count == 0) break;
+    count += taken.count;
+    heard_ns_ = now_ns();
+    // After a close frame the rest is read and thrown away, so that our own close is not lost to a reset.
+    if (!closing_) good = reader_.feed({incoming.data(), taken.count}, messages);
+  }
+  ended_ = ended_ || stream_ended_ || std::ranges::any_of(messages, [](const Incoming& m) { return m.kind == Incoming::Kind::close; });
+  return good;
+}
+
+void SocketConnection::take(std::vector<Incoming>& messages) {
   for (Incoming& message : messages) {
     if (closing_ || gone_) break;
     switch (message.kind) {
@@ -73,7 +82,9 @@ void SocketConnection::take(std::string_view bytes) {
         break;
     }
   }
-  if (good || closing_) return;
+}
+
+void SocketConnection::refuse_frame() {
   const CloseCode code = reader_.error();
   counters().add(Count::ws_refused);
   counters().add(code == CloseCode::too_big    ? Count::ws_refused_too_big

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/counters.hpp"
 #include "server/stream/stream.hpp"
@@ -23,6 +24,8 @@ inline constexpr std::uint64_t kPing_ns = 1'000'000'000;
 inline constexpr std::uint64_t kSilence_ns = 5'000'000'000;
 // The kernel's buffer per client: two seconds of telemetry, so that what is shown is never older.
 inline constexpr int kSendBuffer_bytes = 32 * 1024;
+// Taken from one client in one turn: what a driver sends in several seconds, so that its end is known before a request in front of it is judged.
+inline constexpr std::size_t kReadTurn_bytes = 64 * 1024;
 
 // The steps of the core that a message of telemetry stands for, and how many samples of them it has.
 struct Steps {
@@ -67,13 +70,18 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   void forget_telemetry() { telemetry_.clear(); }
   // Once, when nothing more is taken from or told to this client; the object is still held.
   virtual void on_leave() = 0;
+  // The client's end, a close frame or that of its stream, has been read, if not yet judged.
+  [[nodiscard]] bool has_ended() const { return ended_; }
   [[nodiscard]] Counters& counters() const { return surroundings_.counters; }
   [[nodiscard]] std::uint64_t now_ns() const { return surroundings_.now_ns(); }
 
  private:
   void wait();
   void read();
-  void take(std::string_view bytes);
+  // True: `messages` follow the protocol; false: it was violated behind them.
+  bool read_turn(std::vector<Incoming>& messages);
+  void take(std::vector<Incoming>& messages);
+  void refuse_frame();
   void flush();
   void close_with(SharedFrame last);
   bool next_frame();
@@ -99,6 +107,8 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   bool closing_ = false;
   bool gone_ = false;
   bool left_ = false;
+  bool stream_ended_ = false;
+  bool ended_ = false;
   std::uint64_t heard_ns_ = 0;
 };
 

@@ -71,6 +71,7 @@ class Console {
     send("{\"type\":\"drive\",\"sequence\":" + std::to_string(++sequence_) + ",\"echo\":" + std::to_string(newest_ns_) +
          ",\"speed\":" + std::to_string(speed_norm) + ",\"yaw\":0,\"held\":true}");
   }
+  bool start() { return ask("mode", ",\"mode\":\"remote\",\"exercise\":{\"shape\":\"free\"},\"echo\":" + std::to_string(newest_ns_)); }
   [[nodiscard]] const std::string& reply() const { return reply_; }
   std::vector<double> batch_ms;  // from the oldest step of a batch to its arrival
 
@@ -191,8 +192,7 @@ class Tap {
 
 void start_remote(Console& console) {
   for (const double end = now_ms() + 30'000; now_ms() < end; console.read_for(200))
-    if (console.ask("lease_take", ",\"take_over\":true") && console.ask("mode", ",\"mode\":\"remote\",\"exercise\":{\"shape\":\"free\"}"))
-      return;
+    if (console.ask("lease_take", ",\"take_over\":true") && console.start()) return;
   throw std::runtime_error("remote driving did not start: " + console.reply());
 }
 void hold(Console& console, double speed_norm, double ms) {

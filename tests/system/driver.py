@@ -111,6 +111,8 @@ class Driver:
         """REMOTE, standing: the stick in the middle."""
         until("telemetry", lambda: self.newest_ns, 10.0, 0.05)
         for message in ({"type": "lease_take", "take_over": True}, {"type": "mode", "mode": "remote", "exercise": {"shape": "free"}}):
+            if message["type"] == "mode":
+                message["echo"] = self.newest_ns
             reply = self.ask(**message)
             if not reply["ok"]:
                 raise Failed(f"{message['type']}: {reply}")

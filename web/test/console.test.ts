@@ -1,7 +1,7 @@
 // The connection and the state together, in virtual time: STOP on a dead connection, and how old what is shown is.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { layoutHash } from '../src/contract/messages.gen';
-import { tickRecordBytes } from '../src/contract/signals.gen';
+import { signals, tickRecordBytes } from '../src/contract/signals.gen';
 import type { SocketLike } from '../src/link/socket';
 
 const sent: string[] = [];
@@ -103,6 +103,39 @@ describe('a driving command', () => {
     expect([page.drive(1, 0, true), drives()]).toEqual([false, 1]);
     socket.bufferedAmount = 0;
     expect([page.drive(1, 0, true), drives()]).toEqual([true, 2]);
+  });
+});
+
+describe('a start and the release of a stop', () => {
+  it('tell what the screen had seen, also when a question about control came first', async () => {
+    const messages: Record<string, unknown>[] = [];
+    socket.send = (data) => {
+      const message = JSON.parse(data) as { request?: number };
+      messages.push(message);
+      socket.onmessage?.({ data: JSON.stringify({ type: 'reply', request: message.request, ok: true }) });
+    };
+    const timeAt = signals.find(({ name }) => name === 'time_ns')!;
+    let seen = 5_000_000_000;
+    const show = () => {
+      new DataView(frame).setBigUint64(16 + timeAt.offset, BigInt((seen += 10_000_000)), true);
+      socket.onmessage?.({ data: frame });
+    };
+    socket.onmessage?.({ data: JSON.stringify({ type: 'lease', epoch: 1, holder: 9, mine: false, actor: null, asking: [] }) });
+    // The person thinks for a while before control is taken.
+    page.dialogs.askTakeOver = () => {
+      show();
+      return Promise.resolve(true);
+    };
+    show();
+    for (const ask of [() => page.requestMode('user', null), () => page.acknowledge([])]) {
+      messages.length = 0;
+      expect((await ask()).ok).toBe(true);
+      expect(messages.map(({ type }) => type)).toEqual(['lease_take', messages[1]?.type]);
+      expect(messages[1]).toMatchObject({ echo: seen });
+    }
+    messages.length = 0;
+    await page.endMotion();
+    expect(messages[0]).not.toHaveProperty('echo');
   });
 });
 

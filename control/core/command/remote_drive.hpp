@@ -22,7 +22,7 @@ class RemoteDrive {
   [[nodiscard]] bool take(const contract::DriveCommand& command, const Lease& lease, std::uint64_t now_ns, double max_age_s) noexcept {
     if (!lease.held_by(command.client, command.lease_epoch) || command.sequence <= sequence_) return false;
     const bool held = command.held == 1;
-    const bool fresh = command.echo_time_ns <= now_ns && seconds(now_ns - command.echo_time_ns) <= max_age_s;
+    const bool fresh = contract::is_fresh_echo(command.echo_time_ns, now_ns, max_age_s);
     if (held) {
       // Written so that a NaN fails.
       const bool in_range = std::fabs(command.speed_norm) <= 1.0 && std::fabs(command.yaw_norm) <= 1.0;

@@ -446,6 +446,12 @@ bool only_stops(const Command& command) noexcept {
          (command.kind == CommandKind::request_mode && command.a == static_cast<std::uint32_t>(Mode::standby));
 }
 
+// H17: on its way for longer than what its sender had seen may be old. Who asked for it may be gone.
+bool is_late(const CoreState& state, const Command& command) noexcept {
+  const std::uint64_t echo = contract::echo_of(command);
+  return echo != 0 && !only_stops(command) && !contract::is_fresh_echo(echo, state.time_ns, contract::kEchoAge_s_max);
+}
+
 // A driver who leaves ends a led motion, too; but an old release would take the lease from its next holder, so it keeps its order.
 bool may_be_busy(const Command& command) noexcept { return !only_stops(command) && command.kind != CommandKind::release_lease; }
 
@@ -462,6 +468,8 @@ void take_command(CoreState& state, const Command& command, std::size_t left) no
   const bool in_order = count_sequence(state, command);
   if (!in_order && !only_stops(command)) {
     answer(state, command, refused(Refusal::out_of_order));
+  } else if (is_late(state, command)) {
+    answer(state, command, refused(Refusal::stale_command));
   } else if (may_be_busy(command) && state.events.room() < kEventsOfCommandMost + left + kEventsAfterCommands) {
     answer(state, command, refused(Refusal::busy));
   } else {

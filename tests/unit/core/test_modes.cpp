@@ -424,6 +424,57 @@ TEST(Modes, ACauseThatWasNotSeenIsNotReleased) {
   EXPECT_EQ(hoist.state.latched, 0U);
 }
 
+// H17: a request that was held up on its way is not carried out: who asked may be gone. One whose sender tells no echo is taken at any age.
+TEST(Modes, WhatBeginsMotionOrLeavesAStopIsRefusedWhenItsSenderSawAnOldStep_H17) {
+  const auto ask = [](ScriptedHoist& hoist, contract::Command command, std::int64_t seen_ago_ns) {
+    const std::uint32_t id = hoist.send(command.kind, 7, command.a, command.b, command.v0, command.v1, command.v2);
+    if (seen_ago_ns != 0)
+      contract::put_echo(hoist.commands.back(), static_cast<std::uint64_t>(static_cast<std::int64_t>(hoist.time_ns) - seen_ago_ns));
+    hoist.step();
+    return hoist.answer(id);
+  };
+  contract::Command guided;
+  contract::put_guided(guided, {contract::GuidedShape::straight, false, 2.0, 0, 0.2, 1});
+  const auto command_of = [](CommandKind kind, Mode mode = Mode::init) {
+    contract::Command command;
+    command.kind = kind;
+    command.a = static_cast<std::uint32_t>(mode);
+    return command;
+  };
+  contract::Command mark = command_of(CommandKind::set_pose), acknowledge = command_of(CommandKind::acknowledge);
+  mark.v0 = 1.0;
+  const auto user = command_of(CommandKind::request_mode, Mode::user), remote = command_of(CommandKind::request_mode, Mode::remote);
+  constexpr std::int64_t kMs_ns = 1'000'000;
+  for (const contract::Command& command : {user, remote, guided, mark, acknowledge}) {
+    SCOPED_TRACE(static_cast<int>(command.kind));
+    const auto begin = [&] {
+      ScriptedHoist hoist;
+      EXPECT_TRUE(hoist.ready());
+      if (command.kind == CommandKind::acknowledge) {
+        hoist.ask(CommandKind::stop, 99);
+        hoist.step(150);
+      }
+      return hoist;
+    };
+    for (const std::int64_t ago_ns : {1100 * kMs_ns, 60'000 * kMs_ns, -100 * kMs_ns}) {
+      ScriptedHoist hoist = begin();
+      const Mode before = hoist.state.mode;
+      EXPECT_EQ(ask(hoist, command, ago_ns), refusal_bit(Refusal::stale_command)) << ago_ns;
+      hoist.step(20);
+      EXPECT_EQ(hoist.state.mode, before) << ago_ns;
+      EXPECT_EQ(hoist.state.sensed.odometry.pose.x_m, 0.0) << ago_ns;
+    }
+    for (const std::int64_t ago_ns : {std::int64_t{0}, 1 * kMs_ns, 900 * kMs_ns}) {
+      ScriptedHoist hoist = begin();
+      EXPECT_EQ(ask(hoist, command, ago_ns), 0U) << ago_ns;
+    }
+  }
+  // What stops or ends a motion is taken at any age.
+  ScriptedHoist hoist = in_mode(Mode::user);
+  EXPECT_EQ(ask(hoist, command_of(CommandKind::request_mode, Mode::standby), 60'000 * kMs_ns), 0U);
+  EXPECT_TRUE(hoist.reach(Mode::standby, 300));
+}
+
 // H13: the press was for what touched then, not for what touches when the drive is ready.
 TEST(Modes, ABumperPressedWhileTheDriveIsAwaitedIsNotAcknowledged) {
   for (const bool let_go : {false, true}) {

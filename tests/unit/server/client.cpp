@@ -155,6 +155,11 @@ bool Raw::send(const std::string& bytes) {
   }
   return true;
 }
+void Raw::hold() {
+  const int on = 1;
+  ::setsockopt(fd_, IPPROTO_TCP, TCP_CORK, &on, sizeof on);
+}
+void Raw::end() { ::shutdown(fd_, SHUT_WR); }
 bool Raw::receive(std::chrono::steady_clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
   pollfd poll_fd{fd_, POLLIN, 0};
@@ -284,6 +289,11 @@ std::string Live::protocol() const { return parts_->response.header("sec-websock
 void Live::send(const json& message) { send_text(message.dump()); }
 void Live::send_text(const std::string& text) { parts_->send(server::Opcode::text, text); }
 void Live::send_binary(const std::string& bytes) { parts_->send(server::Opcode::binary, bytes); }
+void Live::hold() { parts_->raw.hold(); }
+void Live::end(bool close_frame) {
+  if (close_frame) parts_->send(server::Opcode::close, std::string("\x03\xe9", 2));  // 1001: the page is left
+  parts_->raw.end();
+}
 json Live::wait(const std::string& type, int request) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kLimit_ms);
   while (std::chrono::steady_clock::now() < end) {

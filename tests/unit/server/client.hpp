@@ -39,6 +39,9 @@ class Raw {
   Raw(const Raw&) = delete;
   Raw& operator=(const Raw&) = delete;
   bool send(const std::string& bytes);
+  // What is sent from here on leaves in one packet, with the end of sending. The answers can still be read.
+  void hold();
+  void end();
   // Reads until `count` bytes, the end or the limit.
   std::string read(std::size_t count, int limit_ms = 2000);
   std::string read_to_end(int limit_ms = 8000);
@@ -67,6 +70,9 @@ class Live {
   void send(const nlohmann::json& message);
   void send_text(const std::string& text);
   void send_binary(const std::string& bytes);
+  // What is sent from here on leaves in one packet, with the end of sending: a close frame before it, or none.
+  void hold();
+  void end(bool close_frame);
   // The next text message of this type (and, for replies, this request); messages of other types are passed over. Empty object when the
   // limit passes or the socket closes.
   nlohmann::json wait(const std::string& type, int request = -1);

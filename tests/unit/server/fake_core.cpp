@@ -125,6 +125,9 @@ void FakeCore::answer(const Command& command, std::uint32_t bits, std::uint32_t 
 void FakeCore::take(const Command& c) {
   const bool holds = record_.lease_holder != 0 && record_.lease_holder == c.client && record_.lease_epoch == c.lease_epoch;
   const auto mode = static_cast<Mode>(record_.mode);
+  const bool ends = c.kind == CommandKind::request_mode && c.a == static_cast<std::uint32_t>(Mode::standby);
+  if (const std::uint64_t echo = echo_of(c); echo != 0 && !ends && !is_fresh_echo(echo, record_.time_ns, kEchoAge_s_max))
+    return answer(c, refusal_bit(Refusal::stale_command));
   switch (c.kind) {
     case CommandKind::stop:
       record_.mode = static_cast<std::uint8_t>(Mode::protective_stop);

@@ -235,6 +235,81 @@ TEST_F(LiveTest, AStartThatWasEndedBeforeItBeganDoesNotBegin) {
   EXPECT_EQ(driver.ask({{"type", "mode"}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}})["ok"], true) << "the next one does";
 }
 
+// A stalled link brings a request late, when its page may be gone. A client that does not say what it had seen is taken at its word.
+TEST_F(LiveTest, WhatWasHeldUpOnItsWayBeginsNoMotionAndLeavesNoStop_H17) {
+  Live driver(port_, bearer_);
+  ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+  const json start{{"type", "mode"}, {"mode", "remote"}, {"exercise", {{"shape", "free"}}}}, acknowledge{{"type", "acknowledge"}};
+  const json path{{"shape", "circle"}, {"radius_m", 1.0}, {"speed_m_s", 0.2}};
+  const json guided{{"type", "mode"}, {"mode", "guided"}, {"path", path}}, end{{"type", "mode"}, {"mode", "standby"}};
+  const auto seen = [&](json message) {
+    message["echo"] = core_->published().back().time_ns;
+    return message;
+  };
+  const auto late = [&](json message) {
+    message = seen(message);
+    core_->skip(150);
+    return driver.ask(message);
+  };
+  const auto refused = [&](const json& reply) {
+    EXPECT_EQ(reply["refusals"], json::array({"stale_command"})) << reply;
+    EXPECT_NE(reply.value("detail", "").find("1 s"), std::string::npos) << "names what is allowed: " << reply;
+  };
+  refused(late(start));
+  refused(late(guided));
+  json impossible = start;
+  impossible["echo"] = 0;
+  refused(driver.ask(impossible));
+  impossible["echo"] = core_->published().back().time_ns + 3'600'000'000'000;
+  refused(driver.ask(impossible));
+  impossible["echo"] = 1e30;
+  refused(driver.ask(impossible));
+  EXPECT_EQ(core_->mode(), Mode::standby);
+  EXPECT_EQ(driver.ask(seen(start))["ok"], true);
+  EXPECT_EQ(late(end)["ok"], true) << "ending motion has no age";
+  EXPECT_EQ(driver.ask(start)["ok"], true) << "does not say what it had seen";
+  driver.send({{"type", "stop"}});
+  ASSERT_TRUE(until([&] { return core_->mode() == Mode::protective_stop; }));
+  refused(late(acknowledge));
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(driver.ask(seen(acknowledge))["ok"], true);
+}
+
+// What a client sends just before its end: nothing may move for somebody who is not there any more.
+TEST_F(LiveTest, AClientWhoseEndIsThereBeginsNoMotionAndLeavesNoStop_H21) {
+  std::size_t left = 0;
+  const auto releases = [this] {
+    return static_cast<std::size_t>(std::ranges::count(core_->commands(), contract::CommandKind::release_lease, &contract::Command::kind));
+  };
+  for (const bool close_frame : {true, false})
+    for (const json& last :
+         {json{{"type", "mode"}, {"request", 900}, {"mode", "user"}, {"exercise", {{"shape", "free"}}}},
+          json{{"type", "mode"}, {"request", 900}, {"mode", "remote"}}, json{{"type", "acknowledge"}, {"request", 900}}}) {
+      SCOPED_TRACE(last);
+      const Mode before = last["type"] == "mode" ? Mode::standby : Mode::protective_stop;
+      core_->set([before](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(before); });
+      Live driver(port_, bearer_);
+      ASSERT_EQ(driver.ask({{"type", "lease_take"}})["ok"], true);
+      driver.hold();
+      // More than one reading of the server.
+      for (int i = 0; i < 40; ++i) driver.send({{"type", "ping"}, {"t", i}});
+      driver.send(last);
+      for (int i = 0; i < 10; ++i) driver.send({{"type", "ping"}, {"t", i}});
+      driver.end(close_frame);
+      ASSERT_TRUE(until([&] { return releases() == left + 1; }));
+      ++left;
+      EXPECT_EQ(core_->mode(), before);
+      for (const auto& command : core_->commands())
+        EXPECT_TRUE(command.kind == contract::CommandKind::take_lease || command.kind == contract::CommandKind::release_lease);
+    }
+  Live driver(port_, bearer_);
+  core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+  driver.hold();
+  driver.send({{"type", "stop"}});
+  driver.end(true);
+  EXPECT_TRUE(until([&] { return core_->mode() == Mode::protective_stop; })) << "STOP counts all the same";
+}
+
 TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
   Live live(port_, bearer_);
   const auto refused = [&](json message, const char* field) {
@@ -261,6 +336,7 @@ TEST_F(LiveTest, FieldsOfAWrongTypeAreNamed) {
   refused({{"type", "calibrate_measure"}, {"figure", 1}, {"x_m", 0}, {"turning", "left"}}, "y_m");
   refused({{"type", "calibrate"}, {"step", "none of ours"}}, "step");
   refused({{"type", "mode"}, {"mode", "init"}}, "mode");
+  refused({{"type", "mode"}, {"mode", "user"}, {"echo", "now"}}, "echo");
   refused({{"type", "choose"}, {"exercise", {{"shape", "square"}, {"side_m", 1e9}}}}, "exercise.side_m");
   refused({{"type", "neutral"}, {"other", 1}}, "other");
   refused({{"type", "lease_hand_over"}}, "body");

@@ -458,6 +458,45 @@ TEST_F(Rest, StartNeedsTheLease) {
   EXPECT_EQ(core_->mode(), Mode::standby);
 }
 
+// Its sender may have gone while the request was on its way: the age counts from the first byte, on the clock of the core.
+TEST_F(Rest, ARequestThatTookLongerThanASecondBeginsNoMotionAndLeavesNoStop_H17) {
+  const std::string epoch = std::to_string(call("POST", "/api/v1/lease", json::object()).json()["epoch"].get<int>());
+  // `late`: the body comes 1.5 s after the header. `gone`: with the end of the connection.
+  const auto post = [&](const std::string& target, json body, bool late, bool gone = false) {
+    const std::string text = body.dump();
+    Raw raw(port_);
+    raw.send("POST " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\nAuthorization: " + bearer_[0].second +
+             "\r\nX-Hoist-Lease: " + epoch + "\r\nContent-Type: application/json\r\nExpect: 100-continue\r\nConnection: close" +
+             "\r\nContent-Length: " + std::to_string(text.size()) + "\r\n\r\n");
+    EXPECT_EQ(raw.read(25), "HTTP/1.1 100 Continue\r\n\r\n");
+    if (late) core_->skip(150);
+    if (gone) raw.hold();
+    raw.send(text);
+    if (gone) raw.end();
+    const std::string answer = raw.read_to_end();
+    return std::pair(answer.substr(9, 3), answer);
+  };
+  const json start{{"mode", "user"}, {"exercise", {{"shape", "free"}}}}, end{{"mode", "standby"}}, acknowledge = json::object();
+  for (const bool gone : {false, true}) {
+    const auto [status, answer] = post("/api/v1/mode", start, !gone, gone);
+    EXPECT_EQ(status, "409") << answer;
+    EXPECT_NE(answer.find("\"stale_command\""), std::string::npos) << answer;
+    EXPECT_EQ(core_->mode(), Mode::standby);
+  }
+  json seen = start;
+  seen["echo"] = core_->published().back().time_ns - 1'500'000'000;
+  EXPECT_EQ(post("/api/v1/mode", seen, false).first, "409") << "its sender had seen no newer step";
+  seen["echo"] = core_->published().back().time_ns;
+  EXPECT_EQ(post("/api/v1/mode", seen, false).first, "200");
+  EXPECT_EQ(post("/api/v1/mode", end, true, true).first, "200") << "ending motion has no age";
+  EXPECT_EQ(post("/api/v1/stop", json::object(), true, true).first, "200");
+  ASSERT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(post("/api/v1/acknowledge", acknowledge, true).first, "409");
+  EXPECT_EQ(post("/api/v1/acknowledge", acknowledge, false, true).first, "409");
+  EXPECT_EQ(core_->mode(), Mode::protective_stop);
+  EXPECT_EQ(post("/api/v1/acknowledge", acknowledge, false).first, "200");
+}
+
 TEST_F(Rest, AnAnswerFindsItsStepAlsoWhenTheServerIsBehind) {
   for (int i = 0; i < 30; ++i) {
     core_->skip(1500);  // what the server has not read yet, after a stall of 15 s

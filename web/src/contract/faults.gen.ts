@@ -415,7 +415,7 @@ export const refusals: readonly RefusalInfo[] = [
   { bit: 10, name: 'not_finite', text: { en: 'The value is not a number.', de: 'Der Wert ist keine Zahl.' } },
   { bit: 11, name: 'unknown_item', text: { en: 'The hoist does not know this item.', de: 'Das kennt das Gerät nicht.' } },
   { bit: 12, name: 'only_when_stopped', text: { en: 'This can only be changed on standby.', de: 'Das lässt sich nur in Bereitschaft ändern.' } },
-  { bit: 13, name: 'stale_command', text: { en: 'The command arrived too late.', de: 'Der Befehl kam zu spät.' } },
+  { bit: 13, name: 'stale_command', text: { en: 'This came too late: look at the hoist, then try again.', de: 'Das kam zu spät: Gerät ansehen, dann noch einmal versuchen.' } },
   { bit: 14, name: 'inconsistent_set', text: { en: 'These values do not fit together with the others: change them together.', de: 'Diese Werte passen nicht zu den übrigen: gemeinsam ändern.' } },
   { bit: 15, name: 'cause_not_cleared', text: { en: 'The cause of the stop remains: see the alarm.', de: 'Der Grund für den Halt besteht noch: siehe Alarm.' } },
   { bit: 16, name: 'bumper_start', text: { en: 'A bumper touches something.', de: 'Ein Stoßfänger berührt etwas.' } },

@@ -2,6 +2,7 @@
 
 /** The body may be left out.. */
 export type AcknowledgeRequest = {
+  echo?: Echo;
   /** Names of the faults that were shown when the hand went down, see /api/v1/faults; refused when another has come since. */
   seen?: readonly string[];
 };
@@ -274,6 +275,9 @@ export type DriveRequest = {
   /** Share of the turning limit, left positive. */
   yaw: number;
 };
+
+/** time_ns of the newest record that the sender had seen. When it is older than 1 s, or not from this run of the core, motion does not begin and no stop is left (stale_command). Left out: over REST the first byte of the request counts. */
+export type Echo = number;
 
 /** Of what people may change in this row. Send it in quotes as If-Match with a change; the header ETag has it in quotes. */
 export type EditTag = string;
@@ -1038,6 +1042,7 @@ export type ModeList = {
 };
 
 export type ModeRequest = {
+  echo?: Echo;
   exercise?: ExerciseOrNull;
   mode: 'user' | 'remote' | 'guided' | 'standby';
   path?: GuidedPathOrNull;

@@ -310,7 +310,7 @@ function endStop(stopFailed: boolean): void {
   writable.set({ stopSent: false, stopFailed });
 }
 
-/** The newest time stamp seen: driving commands echo it, so that old ones are recognised. */
+/** The newest time stamp seen: driving commands, starts and acknowledgements echo it, so that old ones are recognised. */
 export const echo = () => live.record?.time_ns ?? 0;
 
 let driveSequence = 0;
@@ -357,10 +357,13 @@ export async function ensureLease(): Promise<Reply> {
   return takeLease(true);
 }
 
+/** What begins motion or leaves a stop is refused when the hoist gets it more than a second after what this screen had seen. */
+const dated = (message: Question): Question => (message.type === 'mode' || message.type === 'acknowledge' ? { ...message, echo: echo() } : message);
+
 async function withLease(message: Question, unanswered?: Question): Promise<Reply> {
   const lease = await ensureLease();
   if (!lease.ok) return lease;
-  const reply = await link.request(message, unanswered);
+  const reply = await link.request(dated(message), unanswered);
   if (reply.ok && reply.stored === false) notify('warning', 'settings.notStored');
   return reply;
 }
