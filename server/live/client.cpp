@@ -87,6 +87,7 @@ void Client::on_text(std::string text) {
     handle_message(*this, *message, std::nullopt);
     return;
   }
+  if (is_closing()) return;
   if (allowance_ == 0) {
     counters().add(Count::ws_refused);
     counters().add(Count::ws_refused_rate);

@@ -56,6 +56,7 @@ Asker ToolClient::asker() const {
 void ToolClient::on_leave() { hub_.remove(this); }
 
 bool ToolClient::allow() {
+  if (is_closing()) return false;
   counters().add(Count::ws_messages);
   hub_.use(*session_);
   const std::uint64_t now = now_ns();

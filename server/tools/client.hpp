@@ -105,7 +105,7 @@ class ToolClient : public SocketConnection {
   // For the parameters as this client was last shown them.
   void set_parameters(const nlohmann::json& values, OutcomeDone done);
   void parameters_shown();
-  // False: more messages than may be; the connection is being closed.
+  // False: the connection is being closed, perhaps for more messages than may be.
   [[nodiscard]] bool allow();
   // Calls `then` when this client is still there.
   template <typename Self, typename Then>

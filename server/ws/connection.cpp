@@ -49,8 +49,9 @@ bool SocketConnection::read_turn(std::vector<Incoming>& messages) {
     if (taken.count == 0) break;
     count += taken.count;
     heard_ns_ = now_ns();
-    // After a close frame the rest is read and thrown away, so that our own close is not lost to a reset.
-    if (!closing_) good = reader_.feed({incoming.data(), taken.count}, messages);
+    if (closing_) late_bytes_ += taken.count;
+    // What comes later still is thrown away: read all the same, so that our own close is not lost to a reset.
+    if (!ended_ && late_bytes_ <= kLateRead_bytes) good = reader_.feed({incoming.data(), taken.count}, messages);
   }
   ended_ = ended_ || stream_ended_ || std::ranges::any_of(messages, [](const Incoming& m) { return m.kind == Incoming::Kind::close; });
   return good;
@@ -58,7 +59,8 @@ bool SocketConnection::read_turn(std::vector<Incoming>& messages) {
 
 void SocketConnection::take(std::vector<Incoming>& messages) {
   for (Incoming& message : messages) {
-    if (closing_ || gone_) break;
+    if (gone_ || (closing_ && message.kind == Incoming::Kind::close)) return;
+    if (closing_ && message.kind != Incoming::Kind::text && message.kind != Incoming::Kind::binary) continue;
     switch (message.kind) {
       case Incoming::Kind::text:
       case Incoming::Kind::binary:
@@ -79,7 +81,7 @@ void SocketConnection::take(std::vector<Incoming>& messages) {
       case Incoming::Kind::close:
         // With the code that the client gave (RFC 6455 5.5.1), and without its reason.
         close_with(make_frame(Opcode::close, std::string_view(message.payload).substr(0, 2)));
-        break;
+        return;
     }
   }
 }

@@ -26,6 +26,8 @@ inline constexpr std::uint64_t kSilence_ns = 5'000'000'000;
 inline constexpr int kSendBuffer_bytes = 32 * 1024;
 // Taken from one client in one turn: what a driver sends in several seconds, so that its end is known before a request in front of it is judged.
 inline constexpr std::size_t kReadTurn_bytes = 64 * 1024;
+// Still looked through for STOP after we have begun to close: more than a driver sends in five seconds.
+inline constexpr std::size_t kLateRead_bytes = 256 * 1024;
 
 // The steps of the core that a message of telemetry stands for, and how many samples of them it has.
 struct Steps {
@@ -55,6 +57,7 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   void close(CloseCode code, std::string_view reason);
 
  protected:
+  // Messages come also while we close the connection (is_closing): only STOP counts then.
   virtual void on_text(std::string text) = 0;
   // Only with `takes_binary`.
   virtual void on_binary(std::string) {}
@@ -70,6 +73,7 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   void forget_telemetry() { telemetry_.clear(); }
   // Once, when nothing more is taken from or told to this client; the object is still held.
   virtual void on_leave() = 0;
+  [[nodiscard]] bool is_closing() const { return closing_; }
   // The client's end, a close frame or that of its stream, has been read, if not yet judged.
   [[nodiscard]] bool has_ended() const { return ended_; }
   [[nodiscard]] Counters& counters() const { return surroundings_.counters; }
@@ -109,6 +113,7 @@ class SocketConnection : public std::enable_shared_from_this<SocketConnection> {
   bool left_ = false;
   bool stream_ended_ = false;
   bool ended_ = false;
+  std::size_t late_bytes_ = 0;  // that have come since we close
   std::uint64_t heard_ns_ = 0;
 };
 

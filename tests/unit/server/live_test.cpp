@@ -483,6 +483,24 @@ TEST_F(LiveTest, StopIsHeardEvenBeyondTheMessageLimit) {
   EXPECT_TRUE(until([&] { return get("/api/v1/status").json()["core"]["mode"] == "protective_stop"; }));
 }
 
+// As a stalled link brings it: what a hand on the joystick sent meanwhile, and its STOP behind that. The connection is being closed by then.
+TEST_F(LiveTest, StopIsHeardBehindAFloodThatClosesTheConnection) {
+  // In the reading that closes, and in a later one.
+  for (const std::size_t flood_bytes : {std::size_t{20'000}, server::kReadTurn_bytes + 20'000}) {
+    core_->set([](contract::TickRecord& r) { r.mode = static_cast<std::uint8_t>(Mode::user); });
+    Live live(port_, bearer_);
+    live.hold();
+    const json ping{{"type", "ping"}, {"t", 1}};
+    for (std::size_t sent = 0; sent < flood_bytes; sent += ping.dump().size()) live.send(ping);
+    live.send({{"type", "stop"}});
+    live.send({{"type", "lease_take"}, {"request", 1}});
+    live.end(false);
+    EXPECT_TRUE(until([&] { return core_->mode() == Mode::protective_stop; })) << flood_bytes;
+    EXPECT_EQ(live.wait_close(), 1008U) << flood_bytes;
+  }
+  for (const auto& command : core_->commands()) EXPECT_EQ(command.kind, contract::CommandKind::stop) << "nothing else counts";
+}
+
 TEST_F(LiveTest, ParametersOverTheSocket) {
   Live live(port_, bearer_);
   ASSERT_EQ(live.wait("parameters")["version"], 1);
