@@ -257,9 +257,16 @@ struct App::Parts {
     }
   }
 
+  // Those from before this start, oldest first, so that the newest are found first on their devices.
+  void know(const KnownPeople& known) {
+    for (auto row = known.sign_ins.rbegin(); row != known.sign_ins.rend(); ++row) auth->add_account(session_of(*row), clocks());
+    for (const db::Token& row : known.tokens) auth->add_token(session_of(row));
+    services->needs_set_up = !known.has_engineer;
+  }
+
   // `hoist user` on this computer may have made the first engineer's account.
   void look_for_engineer() {
-    if (services->has_engineer || looking || !people.problem().empty()) return;
+    if (!services->needs_set_up || looking || !people.problem().empty()) return;
     looking = people.ask<bool>(
         [](PeopleRoom& room) {
           const auto found = room.accounts.has_engineer();
@@ -267,7 +274,7 @@ struct App::Parts {
         },
         [this](bool found) {
           looking = false;
-          services->has_engineer = services->has_engineer || found;
+          if (found) services->needs_set_up = false;
         });
   }
 
@@ -381,7 +388,7 @@ struct App::Parts {
   void tell_other_devices() const {
     const std::string name = keeper ? trust.name : settings.hosts.front();
     std::cout << "From other devices: https://" << in_url(name) << (settings.port == 443 ? "" : ":" + std::to_string(settings.port)) << "/"
-              << (services->has_engineer ? "" : " (the set-up only, until there is an account: turn the configuration switch on)")
+              << (services->needs_set_up ? " (the set-up only, until there is an account: turn the configuration switch on)" : "")
               << std::endl;
   }
 
@@ -443,16 +450,6 @@ struct App::Parts {
   bool ending = false;
 };
 
-namespace {
-// Those from before this start, oldest first, so that the newest are found first on their devices.
-void load_people(db::Accounts& accounts, Auth& auth) {
-  if (const auto rows = accounts.sign_ins())
-    for (auto row = rows->rbegin(); row != rows->rend(); ++row) auth.add_account(session_of(*row), clocks());
-  if (const auto rows = accounts.tokens())
-    for (const db::Token& row : *rows) auth.add_token(session_of(row));
-}
-}  // namespace
-
 App::App(Settings settings) : parts_(std::make_unique<Parts>(std::move(settings))) {}
 
 App::~App() {
@@ -483,8 +480,14 @@ bool App::start(std::string& error) {
   if (!p.settings.tls_dir.empty() && !p.open_authority(error)) return false;
   std::error_code ignored;
   if (p.settings.db_path.has_parent_path()) std::filesystem::create_directories(p.settings.db_path.parent_path(), ignored);
+  // Before the accounts, which may be read without their lock.
+  make_private(p.settings.db_path);
+  if (const db::Status claimed = p.recorder.claim(); !claimed && claimed.error().kind == db::ErrorKind::busy) {
+    error = claimed.error().message;
+    return false;
+  }
   // Without its accounts the server still runs: patients can walk, and a person at this computer can put it right.
-  if (!p.people.open()) std::cerr << "hoist-server: no accounts: " << p.people.problem() << std::endl;
+  const std::optional<KnownPeople> known = p.people.open();
   p.auth = Auth::create(
       {.token_file = p.settings.token_file,
        .hosts = p.settings.hosts,
@@ -496,30 +499,30 @@ bool App::start(std::string& error) {
            }},
       clocks(), error);
   if (!p.auth) return false;
-  if (p.people.problem().empty()) load_people(p.people.accounts(), *p.auth);
-  p.services.reset(new Services{
-      .settings = p.settings,
-      .counters = p.counters,
-      .core = p.core,
-      .firmware = p.firmware,
-      .state = p.state,
-      .history = p.history,
-      .rehearsals = p.rehearsals,
-      .tools = p.tools,
-      .recorder = p.recorder,
-      .records = p.records,
-      .people = p.people,
-      .jobs = p.jobs,
-      .now_ns = &steady_ns,
-      .utc_ns = &utc_ns,
-      .actors = p.actors,
-      .guard = p.guard,
-      .has_engineer = p.people.problem().empty() && p.people.accounts().has_engineer().ok() && *p.people.accounts().has_engineer(),
-      .set_up = p.set_up,
-      .close_sockets = [&p](const auto& of, std::string_view reason) { p.close_sockets(of, reason); },
-      .computer_name = host_name(),
-      .started_utc_ns = utc_ns(),
-      .started_ns = steady_ns()});
+  if (!error.empty()) std::cerr << "hoist-server: " << std::exchange(error, {}) << std::endl;
+  p.services.reset(new Services{.settings = p.settings,
+                                .counters = p.counters,
+                                .core = p.core,
+                                .firmware = p.firmware,
+                                .state = p.state,
+                                .history = p.history,
+                                .rehearsals = p.rehearsals,
+                                .tools = p.tools,
+                                .recorder = p.recorder,
+                                .records = p.records,
+                                .people = p.people,
+                                .jobs = p.jobs,
+                                .now_ns = &steady_ns,
+                                .utc_ns = &utc_ns,
+                                .actors = p.actors,
+                                .guard = p.guard,
+                                .set_up = p.set_up,
+                                .close_sockets = [&p](const auto& of, std::string_view reason) { p.close_sockets(of, reason); },
+                                .computer_name = host_name(),
+                                .started_utc_ns = utc_ns(),
+                                .started_ns = steady_ns()});
+  if (known) p.know(*known);
+  p.people.set_on_known([&p](const KnownPeople& people) { p.know(people); });
   if (p.keeper) p.auth->set_hosts(p.hosts_of(p.keeper->ca().signed_names()));
   p.hub.set_services(*p.services, *p.auth);
   p.state.set_on_task_end([&services = *p.services] { end_task(services); });
@@ -539,11 +542,6 @@ bool App::start(std::string& error) {
       .open_rosbridge = p.open_tool(ToolHub::Protocol::rosbridge)});
   p.router = std::make_unique<Router>(*p.rest);
   p.core.set_wake([&p] { p.wake(); });
-  make_private(p.settings.db_path);
-  if (const db::Status claimed = p.recorder.claim(); !claimed && claimed.error().kind == db::ErrorKind::busy) {
-    error = claimed.error().message;
-    return false;
-  }
   p.listener = std::make_unique<Listener>(p.io, p.counters, *p.router, p.tls.get());
   p.listener->set_from_here(p.settings.from_here);
   const std::uint16_t port = p.listener->open(p.settings.bind, p.settings.port, error);

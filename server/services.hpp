@@ -41,7 +41,7 @@ struct Services {
   std::function<std::int64_t()> utc_ns;   // wall
   ActorList& actors;                      // numbers of connections and REST sessions, and who is behind them
   SignInGuard& guard;                     // slows guessing of passwords down
-  bool has_engineer = false;              // in the file of accounts
+  bool needs_set_up = false;              // the file of accounts was read and holds no engineer
   SetUp& set_up;                          // the switch and the code of the first set-up
   // Closes the WebSockets of these sessions; the reason is for people.
   std::function<void(const std::function<bool(const Session&)>&, std::string_view)> close_sockets;

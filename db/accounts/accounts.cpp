@@ -106,6 +106,48 @@ Accounts::~Accounts() { sqlite3_close_v2(handle_); }
 Result<Accounts> Accounts::open(const std::filesystem::path& file) { return open(file, true); }
 Result<Accounts> Accounts::attach(const std::filesystem::path& file) { return open(file, false); }
 
+namespace {
+void prepare(sqlite3* handle) {
+  sqlite3_extended_result_codes(handle, 1);
+  sqlite3_busy_timeout(handle, kBusyTimeout_ms);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  execute(handle, "PRAGMA foreign_keys = ON");
+}
+int newest_schema() { return static_cast<int>(accounts_schema_list().size()); }
+Error older_schema(const std::filesystem::path& file) {
+  return {ErrorKind::wrong_state, file.string() + " is an older file of accounts: let the server of this version open it first", {}};
+}
+// Its schema, of a file that is ours or empty.
+int version_of(sqlite3* handle, const std::filesystem::path& file) {
+  const std::int64_t id = number_of(handle, "PRAGMA application_id");
+  const int version = static_cast<int>(number_of(handle, "PRAGMA user_version"));
+  const bool empty = number_of(handle, "SELECT count(*) FROM sqlite_schema") == 0;
+  if (id != kAccountsApplicationId && !empty)
+    throw SqlFailure{Error{ErrorKind::foreign, file.string() + " is no file of accounts and stays as it is: choose another file", {}}};
+  if (version > newest_schema())
+    throw SqlFailure{Error{ErrorKind::newer_schema,
+                           file.string() + " has schema " + std::to_string(version) + ", this program knows " +
+                               std::to_string(newest_schema()) + ": use the newer program",
+                           {}}};
+  return version;
+}
+// The address by which SQLite takes a file as one that nobody changes: it looks neither for a log nor for locks.
+std::string immutable_address(const std::filesystem::path& file) {
+  std::string out = "file:";
+  for (const char c : file.string()) {
+    if (c == '%' || c == '?' || c == '#') {
+      constexpr std::string_view kDigits = "0123456789ABCDEF";
+      const auto byte = static_cast<unsigned char>(c);
+      out.append({'%', kDigits[byte >> 4], kDigits[byte & 15]});
+    } else {
+      out += c;
+    }
+  }
+  return out + "?immutable=1";
+}
+}  // namespace
+
 Result<Accounts> Accounts::open(const std::filesystem::path& file, bool create) {
   return guarded([&]() -> Result<Accounts> {
     std::error_code none;
@@ -114,28 +156,16 @@ Result<Accounts> Accounts::open(const std::filesystem::path& file, bool create) 
     const int code = sqlite3_open_v2(file.c_str(), &accounts.handle_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, nullptr);
     if (code != SQLITE_OK) throw_sql(accounts.handle_, code, "opening " + file.string());
     sqlite3* handle = accounts.handle_;
-    sqlite3_extended_result_codes(handle, 1);
-    sqlite3_busy_timeout(handle, kBusyTimeout_ms);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    execute(handle, "PRAGMA foreign_keys = ON");
+    prepare(handle);
     execute(handle, "PRAGMA secure_delete = ON");
-    const std::int64_t id = number_of(handle, "PRAGMA application_id");
-    const int version = static_cast<int>(number_of(handle, "PRAGMA user_version"));
-    const bool empty = number_of(handle, "SELECT count(*) FROM sqlite_schema") == 0;
-    if (id != kAccountsApplicationId && !empty)
-      return Error{ErrorKind::foreign, file.string() + " is no file of accounts and stays as it is: choose another file", {}};
-    const int newest = static_cast<int>(accounts_schema_list().size());
-    if (version > newest)
-      return Error{ErrorKind::newer_schema,
-                   file.string() + " has schema " + std::to_string(version) + ", this program knows " + std::to_string(newest) +
-                       ": use the newer program",
-                   {}};
-    if (!create && version != newest)
-      return Error{
-          ErrorKind::wrong_state, file.string() + " is an older file of accounts: let the server of this version open it first", {}};
+    const int version = version_of(handle, file), newest = newest_schema();
+    if (!create && version != newest) return older_schema(file);
+    // SQLite opens what it may not write for reading, without a word.
+    if (sqlite3_db_readonly(handle, "main") == 1)
+      return Error{ErrorKind::read_only, file.string() + " cannot be written: its storage is write-protected", {}};
     (void)::chmod(file.c_str(), 0600);
-    execute(handle, ("PRAGMA application_id = " + std::to_string(kAccountsApplicationId)).c_str());
+    if (number_of(handle, "PRAGMA application_id") != kAccountsApplicationId)
+      execute(handle, ("PRAGMA application_id = " + std::to_string(kAccountsApplicationId)).c_str());
     execute(handle, "PRAGMA journal_mode = WAL");
     execute(handle, "PRAGMA synchronous = FULL");
     for (int next = version; next < newest; ++next) {
@@ -144,6 +174,26 @@ Result<Accounts> Accounts::open(const std::filesystem::path& file, bool create) 
       execute(handle, ("PRAGMA user_version = " + std::to_string(next + 1)).c_str());
       transaction.commit();
     }
+    return accounts;
+  });
+}
+
+// The log beside the file is read, too, without the shared index (-shm) that SQLite would have to write: with the lock of a single user, which
+// the VFS without locks grants, the index is in this process's memory.
+Result<Accounts> Accounts::read(const std::filesystem::path& file) {
+  return guarded([&]() -> Result<Accounts> {
+    Accounts accounts;
+    std::error_code none;
+    const bool log = std::filesystem::file_size(file.string() + "-wal", none) > 0 && !none;
+    const int code = log ? sqlite3_open_v2(file.c_str(), &accounts.handle_, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, "unix-none")
+                         : sqlite3_open_v2(immutable_address(file).c_str(), &accounts.handle_,
+                                           SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI, nullptr);
+    if (code != SQLITE_OK) throw_sql(accounts.handle_, code, "opening " + file.string());
+    // Or its end would write the log into the file.
+    sqlite3_db_config(accounts.handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    execute(accounts.handle_, "PRAGMA locking_mode = EXCLUSIVE");
+    prepare(accounts.handle_);
+    if (version_of(accounts.handle_, file) != newest_schema()) return older_schema(file);
     return accounts;
   });
 }

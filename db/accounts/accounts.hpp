@@ -73,6 +73,9 @@ class Accounts {
   static Result<Accounts> open(const std::filesystem::path& file);
   /// Opens an existing file of the newest schema. Errors as above; io when there is none.
   static Result<Accounts> attach(const std::filesystem::path& file);
+  /// What is stored now, from a disk that takes no writes: neither the file nor those beside it are written, and nothing can be changed. Only
+  /// for a moment: another program's changes meanwhile are not seen. Errors as above; wrong_state for an older schema or an empty file.
+  static Result<Accounts> read(const std::filesystem::path& file);
 
   Accounts(Accounts&&) noexcept;
   Accounts& operator=(Accounts&&) noexcept;

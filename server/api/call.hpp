@@ -52,8 +52,8 @@ void ask_recorder(const CallPtr& call, std::function<Result(Records&)> work, std
 template <typename Result>
 bool ask_people(const CallPtr& call, std::function<Result(PeopleRoom&)> work, std::function<void(Result)> then, Turn turn = Turn::first) {
   PeopleDesk& people = call->services.people;
-  if (!people.problem().empty()) {
-    call->fail({.status = 503, .name = "accounts", .title = "The accounts cannot be used", .detail = people.problem()});
+  if (const std::string problem = people.problem(); !problem.empty()) {
+    call->fail({.status = 503, .name = "accounts", .title = "The accounts cannot be used", .detail = problem});
     return false;
   }
   if (people.at(turn).ask<Result>(std::move(work), std::move(then))) return true;

@@ -117,12 +117,12 @@ json who_json(const Call& call, const Session* session, std::string_view device)
            {"seconds_left", nullptr},
            {"here", std::move(here)},
            {"set_up",
-            {{"needed", !call.services.has_engineer},
+            {{"needed", call.services.needs_set_up},
              {"switch_on", set_up.switch_on()},
              {"seconds_left", set_up.seconds_left(call.services.now_ns())}}},
            {"device", device_names(call.services)},
            {"problem", nullptr}};
-  if (!call.services.people.problem().empty()) who["problem"] = call.services.people.problem();
+  if (const std::string problem = call.services.people.problem(); !problem.empty()) who["problem"] = problem;
   if (session == nullptr) return who;
   who["user"] = session->user;
   if (!session->display_name.empty()) who["display_name"] = session->display_name;
@@ -422,7 +422,7 @@ void set_up(const CallPtr& call) {
           call->fail(problem_of(done.error()));
           return;
         }
-        call->services.has_engineer = true;
+        call->services.needs_set_up = false;
         call->rest.auth.end_accounts(user.name, nullptr);
         call->services.close_sockets([&](const Session& other) { return other.ended; }, "signed out");
         call->respond(json{{"ok", true}});
@@ -467,7 +467,7 @@ void add_user(const CallPtr& call) {
       [call, user] {
         log(*call, call->session->user, access_role(call->session->role), "add_user", user.name, "done", std::nullopt, user.role);
         // One enabled engineer always remains: it is never false again.
-        if (user.role == "engineer") call->services.has_engineer = true;
+        if (user.role == "engineer") call->services.needs_set_up = false;
         call->respond(row_response(user_json(user), 201));
       });
 }
@@ -513,7 +513,7 @@ void change_user(const CallPtr& call) {
       [call, name, signs_out](const Changed& changed) {
         const db::User& user = changed.after;
         const bool role_changed = changed.before.role != user.role;
-        if (user.role == "engineer" && user.enabled) call->services.has_engineer = true;
+        if (user.role == "engineer" && user.enabled) call->services.needs_set_up = false;
         Auth& auth = call->rest.auth;
         auth.apply(name, role_of_name(user.role), user.display_name, user.enabled);
         if (signs_out) auth.end_accounts(name, nullptr);

@@ -110,7 +110,7 @@ std::optional<Problem> refuse(const Route& route, Call& call) {
   Auth& auth = call.rest.auth;
   const Request& request = call.request;
   Counters& counters = services.counters;
-  if (!request.from_here && !services.has_engineer && !is_open_before_set_up(route.operation)) {
+  if (!request.from_here && services.needs_set_up && !is_open_before_set_up(route.operation)) {
     counters.add(Count::http_refused_no_session);
     return problem(403, "set-up-first", "The hoist has no accounts yet",
                    "Turn its configuration switch on, open the console and set it up.");

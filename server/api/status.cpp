@@ -89,7 +89,8 @@ void get_status(const CallPtr& call) {
   else
     out.field("scenario", nullptr);
   write_core(out, s, newest);
-  out.field("recording", recording_json(s.recorder.status())).field("notices", notices_json(standing_notices(s.core, s.recorder, s.jobs)));
+  out.field("recording", recording_json(s.recorder.status()))
+      .field("notices", notices_json(standing_notices(s.core, s.recorder, s.jobs, s.people)));
   out.field("lease", lease_json(s.core, s.state.asks(), s.actors));
   out.field("clients", s.live_clients);
   write_counters(out, s.counters);

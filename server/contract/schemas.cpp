@@ -49,7 +49,7 @@ constexpr std::string_view kSchemas = R"json({
   "seconds_left": {"type": ["integer", "null"], "description": "Until this sign-in ends at the latest; null: it does not end by itself"},
   "here": {"type": "array", "description": "Who has signed in on this device and may use a PIN, latest first", "items": {"type": "object", "required": ["user", "display_name"],
     "properties": {"user": {"type": "string"}, "display_name": {"type": "string"}}, "additionalProperties": false}},
-  "set_up": {"type": "object", "required": ["needed", "switch_on", "seconds_left"], "properties": {"needed": {"type": "boolean", "description": "There is no engineer yet"},
+  "set_up": {"type": "object", "required": ["needed", "switch_on", "seconds_left"], "properties": {"needed": {"type": "boolean", "description": "The accounts were read, and there is no engineer yet"},
     "switch_on": {"type": "boolean"}, "seconds_left": {"type": "integer", "description": "How long the code is still valid; 0 = none is"}}, "additionalProperties": false},
   "device": {"type": "object", "required": ["name", "language"], "properties": {"name": {"type": "string", "description": "Of this hoist"},
     "language": {"$ref": "#/components/schemas/LanguageOrNull"}}, "additionalProperties": false},

@@ -120,7 +120,7 @@ std::unique_ptr<Auth> Auth::create(Options options, Clocks now, std::string& err
     if (!put_on_steady_clock(**session, now) || over(**session, now)) auth->end(session);
   }
   auth->link_ = random_hex(kLinkBytes);
-  if (!auth->save(error)) return nullptr;
+  if (std::string refused; !auth->save(refused) && error.empty()) error = refused;
   return auth;
 }
 
@@ -152,7 +152,7 @@ bool Auth::load(std::string& error) {
   }
   if (bearer_->secret.empty()) {
     bearer_->secret = random_hex(kTokenBytes);
-    if (!options_.token_file.empty()) return write_private(options_.token_file, bearer_->secret + "\n", error);
+    if (!options_.token_file.empty()) (void)write_private(options_.token_file, bearer_->secret + "\n", error);
   }
   return true;
 }

@@ -229,7 +229,7 @@ void Hub::add(std::shared_ptr<Client> client) {
   json recording = recording_json(s.recorder.status());
   recording["type"] = "recording";
   client->send(recording);
-  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder, s.jobs))}});
+  client->send(json{{"type", "notices"}, {"items", notices_json(standing_notices(s.core, s.recorder, s.jobs, s.people))}});
   ++client->session()->sockets;
   assign(*client);
   clients_.push_back(std::move(client));
@@ -442,9 +442,11 @@ void Hub::poll(std::uint64_t now_ns) {
   const auto store_problem = services_->core.store_problem();
   const auto stops_problem = services_->core.stops_problem();
   const auto slow_percent = services_->core.slow_time_percent();
-  if (changes != recording_changes_ || store_problem != store_problem_ || stops_problem != stops_problem_ ||
-      slow_percent != slow_percent_) {
+  const std::uint64_t people_changes = services_->people.changes();
+  if (changes != recording_changes_ || people_changes != people_changes_ || store_problem != store_problem_ ||
+      stops_problem != stops_problem_ || slow_percent != slow_percent_) {
     recording_changes_ = changes;
+    people_changes_ = people_changes;
     store_problem_ = store_problem;
     stops_problem_ = stops_problem;
     slow_percent_ = slow_percent;
@@ -483,7 +485,7 @@ void Hub::tell_recording() {
     message["type"] = "recording";
     broadcast(text_frame(message));
   }
-  if (std::vector<StandingNotice> notices = standing_notices(services_->core, services_->recorder, services_->jobs);
+  if (std::vector<StandingNotice> notices = standing_notices(services_->core, services_->recorder, services_->jobs, services_->people);
       notices != told_notices_) {
     told_notices_ = std::move(notices);
     broadcast(text_frame({{"type", "notices"}, {"items", notices_json(told_notices_)}}));

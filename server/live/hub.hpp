@@ -95,6 +95,7 @@ class Hub final : public CoreListener, public ClientOwner {
   std::uint64_t visits_ = 0;
   std::uint64_t visited_ns_ = 0;         // when the clients were last looked at
   std::uint64_t recording_changes_ = 0;  // of the recorder, as told last
+  std::uint64_t people_changes_ = 0;     // of the accounts
   std::optional<contract::StoreProblem> store_problem_, stops_problem_;
   std::optional<int> slow_percent_;
   RecordingStatus told_;

@@ -29,7 +29,7 @@ std::string filled(std::string_view text, int percent) {
 }
 }  // namespace
 
-std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder, const Jobs& jobs) {
+std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorder& recorder, const Jobs& jobs, const PeopleDesk& people) {
   std::vector<StandingNotice> notices;
   if (const auto problem = core.store_problem()) notices.push_back({NoticeName::settings_not_stored, store_detail(*problem)});
   if (const auto problem = core.stops_problem()) notices.push_back({NoticeName::stops_not_stored, store_detail(*problem)});
@@ -39,6 +39,7 @@ std::vector<StandingNotice> standing_notices(const CoreDesk& core, const Recorde
   notices.insert(notices.end(), recording.notices.begin(), recording.notices.end());
   if (const FileHealth file = jobs.file_health(); file.state == FileState::damaged)
     notices.push_back({NoticeName::recordings_damaged, file.detail});
+  if (std::string why = people.not_stored(); !why.empty()) notices.push_back({NoticeName::accounts_not_stored, std::move(why)});
   return notices;
 }
 

@@ -103,6 +103,7 @@ describe('the audit log', () => {
     expect(detail(row('export_mcap', { after: '1630000 of 9000000 bytes in 52 parts' }))).toBe('1.63 MB of 9 MB, in 52 parts');
     expect(detail(row('export_mcap', { after: '9000000 of 9000000 bytes in 1 part' }))).toBe('9 MB');
     expect(detail(row('retention', { after: '12 sessions, 3 to 17' }))).toBe('12 sessions, from 3 to 17');
+    expect(detail(row('lose_rows', { after: '3 rows' }))).toBe('Rows lost: 3');
     expect(detail(row('stop'))).toBeNull();
   });
 });

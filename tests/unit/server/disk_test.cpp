@@ -1,4 +1,5 @@
 // Disks that are slow or full: the network, driving and the walk do not notice, and what can be recorded is.
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -41,6 +42,68 @@ class Disks : public ServerTest {
     return syncs.size();
   }
   json recording() { return get("/api/v1/recording").json(); }
+  // The folder `disk`, with the recordings, the accounts and the token in it.
+  [[nodiscard]] bool mount_disk() {
+    std::filesystem::create_directory(folder_ / "disk");
+    db_path_ = folder_ / "disk" / "hoist.db";
+    adjust_ = [this](server::Settings& settings) { settings.token_file = folder_ / "disk" / "token"; };
+    return mount(folder_ / "disk", "size=6m");
+  }
+  int remount(const char* how) {
+    return std::system(("mount -o remount," + std::string(how) + " '" + (folder_ / "disk").string() + "'").c_str());
+  }
+  void fill() {
+    std::ofstream file(folder_ / "disk" / "fill");
+    while (file << std::string(4096, 'x') << std::flush) {
+    }
+  }
+  bool told(const std::string& name) {
+    return std::ranges::any_of(get("/api/v1/status").json()["notices"], [&](const json& notice) { return notice["name"] == name; });
+  }
+  // As a browser, with this cookie.
+  Answer as_browser(const std::string& cookie, const std::string& method, const std::string& target, const json& body = nullptr) {
+    Headers headers{{"X-Hoist", "1"}, {"Origin", "http://127.0.0.1:" + std::to_string(port_)}, {"Cookie", cookie}};
+    if (!body.is_null()) headers.emplace_back("Content-Type", "application/json");
+    return http(port_, method, target, headers, body.is_null() ? "" : body.dump());
+  }
+  // A therapist's sign-in on a tablet.
+  std::string sign_in() {
+    const json person{{"user", "anna"}, {"password", "four words not together"}};
+    const Answer answer = as_browser("", "POST", "/api/v1/session", person);
+    EXPECT_EQ(answer.status, 200U) << answer.body;
+    const std::string set = answer.header("set-cookie");
+    return set.substr(0, set.find(';'));
+  }
+  void add_people() {
+    for (const auto& [user, role] : {std::pair{"erika", "engineer"}, {"anna", "therapist"}})
+      ASSERT_EQ(
+          call("POST", "/api/v1/users", {{"user", user}, {"display_name", user}, {"role", role}, {"password", "four words not together"}})
+              .status,
+          201U);
+  }
+  std::size_t stops_in_log() {
+    std::size_t stops = 0;
+    const json rows = get("/api/v1/audit?limit=200").json()["items"];
+    for (const json& row : rows) stops += row["action"] == "stop" && row["user"] == "anna" ? 1 : 0;
+    return stops;
+  }
+  // After a start with a disk that takes no data; `mend` lets it take them again.
+  void people_are_known(const std::string& cookie, const std::function<void()>& mend) {
+    start_server();
+    wait_for_core();
+    EXPECT_EQ(as_browser(cookie, "POST", "/api/v1/stop").status, 200U);
+    EXPECT_EQ(core_->mode(), contract::Mode::protective_stop);
+    const json who = as_browser(cookie, "GET", "/api/v1/session").json();
+    EXPECT_EQ(who["user"], "anna") << who;
+    EXPECT_EQ(who["set_up"]["needed"], false) << who;
+    EXPECT_NE(who["problem"], nullptr) << who;
+    EXPECT_TRUE(told("accounts_not_stored"));
+    mend();
+    ASSERT_TRUE(until([&] { return !told("accounts_not_stored"); }));
+    EXPECT_EQ(as_browser(cookie, "GET", "/api/v1/session").json()["problem"], nullptr);
+    sign_in();
+    EXPECT_TRUE(until([&] { return stops_in_log() == 1; })) << "what was done meanwhile is in the log";
+  }
   std::optional<tests::SlowDisk> slow_;
   // A file system in memory at this folder; false when this user may not mount one.
   bool mount(const std::filesystem::path& folder, const std::string& options) {
@@ -84,17 +147,52 @@ TEST_F(Disks, ASyncOfASecondDelaysNeitherDrivingNorStop) {
   slow_->set(std::chrono::seconds(0));
 }
 
+// H24
+TEST_F(Disks, AStartOnAFullDiskKnowsItsPeople) {
+  if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
+  begin();
+  add_people();
+  const std::string cookie = sign_in();
+  stop_server();
+  fill();
+  people_are_known(cookie, [this] { std::filesystem::remove(folder_ / "disk" / "fill"); });
+}
+TEST_F(Disks, AStartOnAReadOnlyDiskKnowsItsPeople) {
+  if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
+  begin();
+  add_people();
+  const std::string cookie = sign_in();
+  stop_server();
+  ASSERT_EQ(remount("ro"), 0);
+  people_are_known(cookie, [this] { EXPECT_EQ(remount("rw"), 0); });
+}
+
+// H24
+TEST_F(Disks, RowsOfTheAuditLogWaitForAFullDisk) {
+  if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
+  begin();
+  add_people();
+  const std::string cookie = sign_in();
+  fill();
+  std::size_t stops = 0;
+  // The first of them still fit into the pages that the log has.
+  ASSERT_TRUE(until([&] {
+    if (as_browser(cookie, "POST", "/api/v1/stop").status == 200U) ++stops;
+    return told("accounts_not_stored");
+  }));
+  for (int i = 0; i < 3; ++i)
+    if (as_browser(cookie, "POST", "/api/v1/stop").status == 200U) ++stops;
+  std::filesystem::remove(folder_ / "disk" / "fill");
+  ASSERT_TRUE(until([&] { return !told("accounts_not_stored"); }));
+  EXPECT_TRUE(until([&] { return stops_in_log() == stops; })) << stops_in_log() << " of " << stops;
+}
+
 TEST_F(Disks, AReadOnlyDiskIsToldAndRecordedIntoOnceItMayBeWritten) {
-  db_path_ = folder_ / "disk" / "hoist.db";
-  std::filesystem::create_directory(folder_ / "disk");
-  if (!mount(folder_ / "disk", "size=32m")) GTEST_SKIP() << "this user may not mount a file system";
+  if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
   start_server();
   wait_for_core();
   ASSERT_TRUE(until([&] { return get("/api/v1/health").json()["recordings"]["state"] == "sound"; }));
   stop_server();
-  const auto remount = [&](const char* how) {
-    return std::system(("mount -o remount," + std::string(how) + " '" + (folder_ / "disk").string() + "'").c_str());
-  };
   ASSERT_EQ(remount("ro"), 0);
   start_server();
   wait_for_core();

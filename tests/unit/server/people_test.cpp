@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <map>
 #include <random>
@@ -992,6 +993,110 @@ TEST(PeopleDeskTest, who_did_something_finds_it_in_the_log) {
   desk.stop();
   for (const auto& answer : answers) answer();
   EXPECT_EQ(rows, (std::vector<std::size_t>{0, 1})) << "the question that does not wait is answered first";
+}
+
+// More rows than may wait.
+TEST(PeopleDeskTest, a_row_tells_how_many_rows_were_lost) {
+  const TemporaryFolder folder;
+  server::PeopleDesk desk{folder / "accounts.db", {.passes = 1, .memory_bytes = 8192}, [](const std::function<void()>&) {}};
+  ASSERT_TRUE(desk.open()) << desk.problem();
+  db::AuditEntry entry;
+  entry.user = "anna";
+  for (std::size_t i = 0; i < server::kAuditWaitLimit + 3; ++i) {
+    entry.utc_ms = static_cast<std::int64_t>(i);
+    desk.log(entry);
+  }
+  desk.start();
+  desk.stop();
+  const auto accounts = db::Accounts::attach(folder / "accounts.db");
+  const auto rows = accounts->audit(std::nullopt, 2);
+  ASSERT_EQ(rows->size(), 2U);
+  const db::AuditEntry& lost = (*rows)[0].entry;
+  EXPECT_EQ(lost.action, "lose_rows");
+  EXPECT_EQ(lost.after, "3 rows");
+  EXPECT_EQ(lost.utc_ms, server::kAuditWaitLimit);
+  EXPECT_EQ((*rows)[1].entry.utc_ms, server::kAuditWaitLimit - 1);
+}
+
+// A disk that comes later; and one that never comes ends nobody's wait for the server's end.
+TEST(PeopleDeskTest, a_file_that_cannot_be_opened_is_tried_again) {
+  const TemporaryFolder folder;
+  const auto at_once = [](const std::function<void()>& work) { work(); };
+  server::PeopleDesk none{folder / "none" / "accounts.db", {.passes = 1, .memory_bytes = 8192}, at_once};
+  EXPECT_FALSE(none.open());
+  none.start();
+  server::PeopleDesk desk{folder / "later" / "accounts.db", {.passes = 1, .memory_bytes = 8192}, at_once};
+  EXPECT_FALSE(desk.open());
+  EXPECT_NE(desk.problem(), "");
+  EXPECT_EQ(desk.not_stored(), desk.problem());
+  std::promise<server::KnownPeople> known;
+  desk.set_on_known([&](server::KnownPeople people) { known.set_value(std::move(people)); });
+  desk.log({});
+  std::filesystem::create_directory(folder / "later");
+  desk.start();
+  EXPECT_FALSE(known.get_future().get().has_engineer);
+  EXPECT_EQ(desk.problem(), "");
+  desk.stop();
+  EXPECT_EQ(desk.not_stored(), "");
+  EXPECT_EQ(db::Accounts::attach(folder / "later" / "accounts.db")->audit(std::nullopt, 10)->size(), 1U);
+}
+
+// H24: all that was committed, also what is still in the log whose end was torn by a power cut; and nothing is written.
+TEST(AccountsTest, what_is_stored_is_read_from_a_disk_that_takes_no_data) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "full 100%?#");
+  const auto file = folder / "accounts.db", copy = folder / "full 100%?#" / "accounts.db";
+  const auto contents = [&] {
+    std::map<std::string, std::string> bytes;
+    for (const auto& entry : std::filesystem::directory_iterator(copy.parent_path())) {
+      std::ifstream in(entry.path(), std::ios::binary);
+      bytes[entry.path().filename()].assign(std::istreambuf_iterator<char>(in), {});
+    }
+    return bytes;
+  };
+  const auto is_known = [&](bool ended) {
+    const auto before = contents();
+    {
+      auto read = db::Accounts::read(copy);
+      ASSERT_TRUE(read.ok()) << read.error().message;
+      EXPECT_TRUE(*read->has_engineer());
+      ASSERT_EQ(read->sign_ins()->size(), 1U);
+      EXPECT_EQ(read->sign_ins()->front().user, "erika");
+      EXPECT_EQ(read->sign_ins()->front().ended, ended);
+      EXPECT_FALSE(read->log({}).ok());
+    }
+    EXPECT_EQ(contents(), before);
+  };
+  {
+    auto accounts = db::Accounts::open(file);
+    db::User erika{
+        .id = 0, .name = "erika", .display_name = "E", .role = "engineer", .enabled = true, .password_hash = "-", .pin_hash = {}};
+    ASSERT_TRUE(accounts->add(erika, 1).ok());
+    db::SignIn sign_in;
+    sign_in.secret_sha256 = db::sha256_hex("secret");
+    sign_in.user = "erika";
+    ASSERT_TRUE(accounts->begin_sign_in(sign_in).ok());
+    std::filesystem::copy_file(file, copy);
+    std::filesystem::copy_file(file.string() + "-wal", copy.string() + "-wal");
+    ASSERT_TRUE(accounts->end_sign_ins_of("erika", "").ok());
+    // Of the next change half has come.
+    const std::string whole = [&] {
+      std::ifstream in(file.string() + "-wal", std::ios::binary);
+      return std::string(std::istreambuf_iterator<char>(in), {});
+    }();
+    const auto known = std::filesystem::file_size(copy.string() + "-wal");
+    ASSERT_GT(whole.size(), known);
+    std::ofstream(copy.string() + "-wal", std::ios::binary | std::ios::app) << whole.substr(known, (whole.size() - known) / 2);
+    is_known(false);
+    std::filesystem::copy_file(file.string() + "-shm", copy.string() + "-shm");
+    is_known(false);
+    std::filesystem::remove(copy.string() + "-shm");
+  }
+  std::filesystem::remove(copy.string() + "-wal");
+  std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
+  is_known(true);
+  std::ofstream(copy, std::ios::trunc) << "";
+  EXPECT_EQ(db::Accounts::read(copy).error().kind, db::ErrorKind::wrong_state);
 }
 
 TEST(SetUpTest, the_code_lasts_ten_minutes_and_ends_with_the_switch) {

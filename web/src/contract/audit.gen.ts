@@ -68,6 +68,10 @@ export const auditActions: Readonly<Record<AuditAction, { done: Words; tried: Wo
     done: { en: 'deleted sessions by the rule', de: 'hat Sitzungen nach der Regel gelöscht' },
     tried: { en: 'delete sessions by the rule', de: 'Sitzungen nach der Regel löschen' },
   },
+  lose_rows: {
+    done: { en: 'lost rows of this log: the storage took none', de: 'hat Zeilen dieses Protokolls verloren: Der Speicher nahm keine an' },
+    tried: { en: 'keep rows of this log', de: 'Zeilen dieses Protokolls behalten' },
+  },
   start_job: {
     done: { en: 'started: {what}', de: 'hat gestartet: {what}' },
     tried: { en: 'start: {what}', de: 'starten: {what}' },

@@ -44,7 +44,7 @@ export const reasons: Readonly<Record<ReasonCode, { en: string; de: string }>> =
   not_found: { en: 'This is no longer there.', de: 'Das gibt es nicht mehr.' },
   set_up_closed: { en: 'Turn the set-up switch off and on, and read the new code.', de: 'Einrichtungsschalter aus- und einschalten und den neuen Code ablesen.' },
   wrong_code: { en: 'This is not the code. Read it once more from the hoist.', de: 'Der Code stimmt nicht. Bitte noch einmal am Gerät ablesen.' },
-  accounts: { en: 'The accounts cannot be read. Call service.', de: 'Die Konten sind nicht lesbar. Service rufen.' },
+  accounts: { en: 'The accounts cannot be used. Call service.', de: 'Die Konten sind nicht nutzbar. Service rufen.' },
   core_absent: { en: 'The control program is not running.', de: 'Das Steuerprogramm läuft nicht.' },
   core_silent: { en: 'The control program is running but gives no reply.', de: 'Das Steuerprogramm läuft, reagiert aber nicht.' },
   core_gone: { en: 'The control program has ended.', de: 'Das Steuerprogramm wurde beendet.' },

@@ -55,7 +55,7 @@ export type AlarmPauseRequest = {
 };
 
 /** What was done or tried: an action, or a REST operation. */
-export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'create_line' | 'change_line' | 'delete_line' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'choose_rehearsal' | 'pause_alarm' | 'stop' | 'acknowledge';
+export type AuditAction = 'sign_in' | 'sign_out' | 'set_up' | 'change_password' | 'change_pin' | 'add_user' | 'change_user' | 'user' | 'add_token' | 'token' | 'remove_token' | 'set_tools' | 'change_settings' | 'set_time' | 'set_retention' | 'retention' | 'lose_rows' | 'start_job' | 'cancel_job' | 'get_job_file' | 'export_session' | 'export_mcap' | 'get_session_report' | 'get_visit_report' | 'change_session' | 'delete_session' | 'add_marker' | 'change_marker' | 'delete_marker' | 'control_recording' | 'begin_recording' | 'end_recording' | 'create_patient' | 'change_patient' | 'delete_patient' | 'choose_patient' | 'set_identity' | 'put_identity' | 'delete_identity' | 'change_visit' | 'create_profile' | 'change_profile' | 'delete_profile' | 'apply_profile' | 'create_line' | 'change_line' | 'delete_line' | 'change_parameters' | 'put_parameter' | 'keep_parameters' | 'undo_parameters' | 'apply_preset' | 'set_neutral' | 'set_pose' | 'begin_calibration' | 'measure_calibration' | 'use_calibration' | 'cancel_calibration' | 'update_firmware' | 'take_lease' | 'release_lease' | 'ask_lease' | 'withdraw_lease' | 'keep_lease' | 'hand_over' | 'set_mode' | 'start_motion' | 'end_motion' | 'choose_exercise' | 'choose_task' | 'choose_rehearsal' | 'pause_alarm' | 'stop' | 'acknowledge';
 
 export type AuditCheck = {
   first_wrong: number | null;
@@ -2189,7 +2189,7 @@ export type WhoAmI = {
   /** Until this sign-in ends at the latest; null: it does not end by itself. */
   seconds_left: number | null;
   set_up: {
-    /** There is no engineer yet. */
+    /** The accounts were read, and there is no engineer yet. */
     needed: boolean;
     /** How long the code is still valid; 0 = none is. */
     seconds_left: number;

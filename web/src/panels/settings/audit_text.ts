@@ -117,6 +117,7 @@ export function detail(row: Row): string | null {
     const told = /^(\d+) sessions?, (\d+) to (\d+)/.exec(after ?? '');
     return told === null ? null : t('audit.deleted', { n: told[1]!, from: told[2]!, to: told[3]! });
   }
+  if (action === 'lose_rows') return t('audit.lost', { n: /^\d+/.exec(after ?? '')?.[0] ?? noValue });
   // What `hoist user` on the hoist's own computer did.
   if (after === 'new password') return t('audit.newPassword');
   if (action === 'user' && (after === 'enable' || after === 'disable')) return t(after === 'enable' ? 'audit.unlocked' : 'users.disabled');
