@@ -39,7 +39,7 @@ struct SeqRing {
 };
 
 struct ParamsInForce {
-  std::uint64_t version = 0;
+  std::uint64_t version = 0;                // rises by one with each change; those of two runs of the core do not meet
   std::uint64_t defaults_after_damage = 0;  // 1: defaults that replace damaged settings; must not be stored
   std::array<double, kParamCount> values{};
   std::array<double, kParamCount> kept{};  // the same, without what is only on trial: what the next start begins with

@@ -85,7 +85,7 @@ struct CoreState {
   bool defaults_after_damage = false;  // in force because both copies were damaged, until a parameter is set
   Trial trial;
   Derived derived;
-  std::uint64_t parameter_version = 1;
+  std::uint64_t parameter_version = 1;  // control/run begins each run at another one
   bool started = false;
   std::uint64_t tick = 0, time_ns = 0, ticks_run = 0;
   std::uint32_t sync_ticks = 1;  // between the newest SYNC and the one before it

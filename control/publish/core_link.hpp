@@ -24,6 +24,10 @@ class CoreLink {
   CoreLink(const CoreLink&) = delete;
   CoreLink& operator=(const CoreLink&) = delete;
 
+  // The run of this core: the steady clock and the wall clock at its start.
+  [[nodiscard]] std::uint64_t start_time_ns() const { return state().header.start_time_ns.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t start_utc_ns() const { return state().header.start_utc_ns.load(std::memory_order_relaxed); }
+
   // ---- control thread
   void publish_tick(const contract::TickRecord& record) noexcept;
   void publish_event(const contract::Event& event) noexcept;

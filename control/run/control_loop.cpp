@@ -1,15 +1,26 @@
 #include "control/run/control_loop.hpp"
 
+#include "control/contract/check.hpp"
 #include "control/core/serve/param_keeper.hpp"
 #include "control/core/supervise/supervisor.hpp"
 #include "control/publish/seq_cell.hpp"
 
 namespace hoist::run {
 
+namespace {
+// Where a run begins to count the versions of its parameters, so that what was made for those of another run is refused (H27). 31 bits: the count
+// does not come round to 0, which is no version.
+std::uint64_t first_version(const publish::CoreLink& link) {
+  const std::uint64_t run = contract::hash_number(contract::hash_number(contract::kHashStart, link.start_time_ns()), link.start_utc_ns());
+  return 1 + ((run ^ run >> 32U) & 0x7FFFFFFFU);
+}
+}  // namespace
+
 ControlLoop::ControlLoop(bus::CanPort& port, publish::CoreLink& link, const contract::Params& initial, const core::StopHistory& earlier)
     : port_(port), link_(link), publisher_(link) {
   [[maybe_unused]] const bool accepted = core::load_params(state_, initial);
   core::restore_stops(state_, earlier);
+  state_.parameter_version = first_version(link);
   publish_params();
 }
 

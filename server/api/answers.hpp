@@ -22,7 +22,7 @@ void tell_actor(Services& services, const Session& session);
 [[nodiscard]] std::optional<std::uint32_t> lease_header(const Call& call);
 // The asker with that epoch; nothing after a refusal.
 [[nodiscard]] std::optional<Asker> driver(const CallPtr& call, bool header_required = false);
-// The tag of the parameters in force. The core's run is part of it: a restarted core counts its versions from the start.
+// The tag of the parameters in force, with the run of the core.
 [[nodiscard]] std::string parameters_tag(const Services& services);
 // Of a change of parameters that the core has taken, with the core's own numbers.
 [[nodiscard]] Response parameters_changed(const Services& services, nlohmann::json values, const Outcome& outcome);

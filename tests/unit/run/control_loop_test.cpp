@@ -193,5 +193,31 @@ TEST(ControlLoop, PublishesAllThatItTakesToRunItsStepsAgain) {
   }
 }
 
+// A client that holds a version of an earlier run has not seen the values of this one.
+TEST(ControlLoop, VersionsOfTwoRunsDoNotMeet_H27) {
+  struct Start {
+    std::uint64_t time_ns, utc_ns;
+  };
+  // The next start within the same time of the clock, the same moment after two boots, a wall clock that was set back, simulated time.
+  constexpr std::uint64_t kTime_ns = 5'000'000'000, kUtc_ns = 1'790'000'000'000'000'000;
+  std::vector<std::uint64_t> versions;
+  for (const Start& start : {Start{1, 1}, Start{kTime_ns, kUtc_ns}, Start{kTime_ns + 1, kUtc_ns + 1}, Start{kTime_ns, kUtc_ns + 1},
+                             Start{kTime_ns + 60'000'000'000, kUtc_ns}, Start{0, kUtc_ns}}) {
+    std::string error;
+    auto link = publish::CoreLink::create("", start.time_ns, start.utc_ns, error);
+    ASSERT_NE(link, nullptr) << error;
+    NoisyPort port;
+    const auto loop = std::make_unique<ControlLoop>(port, *link, contract::Params{});
+    contract::ParamsInForce params;
+    ASSERT_NE(link->params(params), 0U);
+    // 0 is no version, and none of a run may come back to it: records and commands have 32 bits.
+    EXPECT_GT(params.version, 0U);
+    EXPECT_LE(params.version, std::uint64_t{1} << 31U);
+    versions.push_back(params.version);
+  }
+  std::ranges::sort(versions);
+  for (std::size_t i = 1; i < versions.size(); ++i) EXPECT_GT(versions[i] - versions[i - 1], 10'000U) << "more than the changes of a run";
+}
+
 }  // namespace
 }  // namespace hoist::run

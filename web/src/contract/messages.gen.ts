@@ -242,6 +242,7 @@ export interface EventMessage {
 /** Values in force, on connecting and after each change. */
 export interface ParametersMessage {
   type: 'parameters';
+  /** Rises with each change; each run of the core begins at another number. */
   version: number;
   values: Record<string, number>;
 }

@@ -786,7 +786,7 @@ export type LineRequest = {
   name: LineName;
 };
 
-/** Version of the parameters that were looked at; refused when others have changed them meanwhile. */
+/** Version of the parameters that were looked at; refused when others have changed them meanwhile, or the core was restarted. */
 export type LookedAt = number;
 
 export type Loop = {
@@ -1181,6 +1181,7 @@ export type ParameterHistory = {
 
 export type ParameterList = {
   items: readonly Parameter[];
+  /** Rises with each change; each run of the core begins at another number. */
   version: number;
 };
 
