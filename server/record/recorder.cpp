@@ -628,10 +628,9 @@ class Recorder::Work final : public Records {
     // Events, frames and journal of a step are published before its record: of the newest steps they are here, and not read yet.
     if (!end_again_) read_to_the_end();
     read_journal();
-    // A core that is gone is noticed some time after its last step.
-    const bool gone = reason == db::CloseReason::core_restarted;
+    // With its last step: a core that is gone is noticed later, and a full disk may take the end hours later. A simulator's steps may be ahead.
     const std::int64_t last_utc_ns = static_cast<std::int64_t>(fresh_ ? started_time_ns_ : last_time_ns_) + offset_ns_;
-    db::Status ended = writer_->close(reason, gone ? last_utc_ns : owner_.options_.utc_ns());
+    db::Status ended = writer_->close(reason, std::min(last_utc_ns, owner_.options_.utc_ns()));
     if (!ended) {
       fail(ended.error());
       return ended;

@@ -999,6 +999,19 @@ TEST_F(TakeOver, AWalkThatBeginsWhileTheRecorderStallsSaysWhatIsMissing) {
   EXPECT_EQ(one.events, 2U) << "its begin, which the core still held, and its end";
 }
 
+// H24: when the disk was freed says nothing about the session.
+TEST_F(RefusingDisk, ASessionWhoseEndWasRefusedEndsAtItsLastStep) {
+  live();
+  publish(300, Mode::user);
+  disk_.fail(1.0);
+  publish(1000, Mode::standby);
+  disk_.fail(0);
+  publish(200, Mode::standby);
+  const Session one = session(1);
+  ASSERT_NEAR(static_cast<double>(one.ticks.size()), 600, 2);
+  EXPECT_EQ(one.info.ended_utc_ns, kUtc_ns + static_cast<std::int64_t>(one.ticks.back()) * 10'000'000);
+}
+
 TEST_F(RefusingDisk, ARecordingByHandThatWasRefusedEndsNoSession) {
   live();
   publish(300, Mode::user);
