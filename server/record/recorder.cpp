@@ -34,6 +34,9 @@ constexpr std::uint64_t kSpoolKept_ns = 600'000'000'000;
 constexpr std::uint64_t kCommit_ns = 400'000'000;
 // Pieces of folding follow each other no closer, however often a job brings a pass forward.
 constexpr std::uint64_t kFold_ns = 50'000'000;
+// Free on the disk of the recordings: below kLowSpace_bytes a notice stands until kEnoughSpace_bytes are, below kSessionSpace_bytes no session
+// begins; one that runs goes on (H24).
+constexpr std::uint64_t kLowSpace_bytes = 200'000'000, kEnoughSpace_bytes = 220'000'000, kSessionSpace_bytes = 50'000'000;
 // The wall clock is compared with the steady one this often; a jump of more than this is noted in the recording.
 constexpr std::uint64_t kAnchor_ns = 1'000'000'000;
 constexpr std::int64_t kJump_ns = 50'000'000;
@@ -191,6 +194,7 @@ class Recorder::Work final : public Records {
       }
     }
     leave_damaged_file();
+    look_at_space();
     follow_chosen();
     for (int i = 0; i < kReadsPerPass && !end_again_ && join(); ++i) {
       const bool more = read_ticks();
@@ -289,6 +293,7 @@ class Recorder::Work final : public Records {
     }
     if (db::Status checked = db::check_note(note); !checked) return checked;
     if (!last_) return db::Error{db::ErrorKind::wrong_state, "The control core is not connected: there is nothing to record.", ""};
+    if (db::Status room = room_for_session(); !room) return room;
     // Not end(): what is refused here must not end the session at a later commit.
     if (session_open())
       if (db::Status ended = try_end(db::CloseReason::finished); !ended) return ended;
@@ -408,6 +413,34 @@ class Recorder::Work final : public Records {
     heard_ns_ = now_ns_;
     old_.reset();
     return true;
+  }
+
+  [[nodiscard]] std::filesystem::path folder() const {
+    const std::filesystem::path folder = owner_.options_.file.parent_path();
+    return folder.empty() ? "." : folder;
+  }
+  // Nothing when that is not known.
+  [[nodiscard]] std::optional<std::uint64_t> free_bytes() const {
+    std::error_code unknown;
+    const auto space = std::filesystem::space(folder(), unknown);
+    return unknown ? std::nullopt : std::optional<std::uint64_t>(space.available);
+  }
+  [[nodiscard]] db::Status room_for_session() const {
+    const auto free = free_bytes();
+    if (!free || *free >= kSessionSpace_bytes) return {};
+    const auto megabytes = [](std::uint64_t bytes) { return std::to_string(bytes / 1'000'000) + " MB"; };
+    return db::Error{
+        db::ErrorKind::disk_full,
+        megabytes(*free) + " are free on the disk of the recordings, and a new session needs " + megabytes(kSessionSpace_bytes) + ".", ""};
+  }
+  void look_at_space() {
+    if (now_ns_ - space_ns_ < kRetry_ns) return;
+    space_ns_ = now_ns_;
+    const auto free = free_bytes();
+    low_space_ = free && *free < (low_space_ ? kEnoughSpace_bytes : kLowSpace_bytes);
+    if (no_room_.empty() || !room_for_session()) return;
+    if (error_ == no_room_) error_.clear();
+    no_room_.clear();
   }
 
   // What the broken-off session has; it is not recorded twice.
@@ -548,6 +581,11 @@ class Recorder::Work final : public Records {
   }
 
   db::Status begin(const TickRecord& first, std::optional<std::string> subject, std::string note, Kind kind) {
+    if (db::Status room = room_for_session(); !room) {
+      fail(room.error());
+      no_room_ = error_;
+      return room;
+    }
     const bool walk = kind == Kind::walk;
     contract::ParamsInForce parameters;
     db::SessionStart start = start_at(first, std::move(subject), kind, parameters);
@@ -869,6 +907,7 @@ class Recorder::Work final : public Records {
     status.detail = error_;
     if (!error_.empty()) status.error = error_kind_;
     status.notices = notices_;
+    if (low_space_) status.notices.push_back({NoticeName::recordings_low_space, "less than 200 MB are free in " + folder().string()});
     if (!foreign_.empty()) status.notices.push_back({NoticeName::recordings_foreign, foreign_});
     if (session_open()) {
       status.state = error_.empty() ? RecordingState::recording : RecordingState::failed;
@@ -944,6 +983,8 @@ class Recorder::Work final : public Records {
   std::string damage_;   // why the file is to be set aside; empty when it is not
   std::string foreign_;  // why the file cannot be ours; empty when it is
   std::vector<StandingNotice> notices_;
+  bool low_space_ = false;
+  std::string no_room_;  // error_ of a session that was refused, as long as there is no room for one
   std::optional<TickRecord> last_;
   std::uint64_t last_life_ = 0;
   std::uint64_t heard_ns_ = 0;      // steady time at which the newest step came
@@ -977,6 +1018,7 @@ class Recorder::Work final : public Records {
   std::uint64_t committed_ns_ = 0;
   std::uint64_t folded_ns_ = 0;
   std::uint64_t tried_ns_ = 0;
+  std::uint64_t space_ns_ = 0;
   std::uint64_t begin_tried_ns_ = 0;
   std::uint64_t now_ns_ = 0;
   bool late_ = false;

@@ -43,11 +43,11 @@ class Disks : public ServerTest {
   }
   json recording() { return get("/api/v1/recording").json(); }
   // The folder `disk`, with the recordings, the accounts and the token in it.
-  [[nodiscard]] bool mount_disk() {
+  [[nodiscard]] bool mount_disk(const std::string& size = "64m") {
     std::filesystem::create_directory(folder_ / "disk");
     db_path_ = folder_ / "disk" / "hoist.db";
     adjust_ = [this](server::Settings& settings) { settings.token_file = folder_ / "disk" / "token"; };
-    return mount(folder_ / "disk", "size=6m");
+    return mount(folder_ / "disk", "size=" + size);
   }
   int remount(const char* how) {
     return std::system(("mount -o remount," + std::string(how) + " '" + (folder_ / "disk").string() + "'").c_str());
@@ -206,9 +206,35 @@ TEST_F(Disks, AReadOnlyDiskIsToldAndRecordedIntoOnceItMayBeWritten) {
   EXPECT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
 }
 
+// H24
+TEST_F(Disks, ADiskThatIsNearlyFullTakesNoNewSession) {
+  if (!mount_disk("100m")) GTEST_SKIP() << "this user may not mount a file system";
+  begin();
+  const json running = recording();
+  const auto most = std::filesystem::path(folder_ / "disk" / "fill");
+  std::ofstream(most) << std::string(64'000'000, 'x');
+  const auto started = [&] { return call("POST", "/api/v1/recording", {{"action", "start"}}); };
+  EXPECT_TRUE(until([&] { return recording()["durable_tick"] > running["durable_tick"]; })) << "what runs goes on";
+  EXPECT_EQ(recording()["session"], running["session"]);
+  ASSERT_EQ(call("POST", "/api/v1/recording", {{"action", "stop"}}).status, 200);
+  const Answer refused = started();
+  ASSERT_EQ(refused.status, 507U) << refused.body;
+  const auto free_MB = std::filesystem::space(folder_ / "disk").available / 1'000'000;
+  EXPECT_EQ(refused.json()["detail"],
+            std::to_string(free_MB) + " MB are free on the disk of the recordings, and a new session needs 50 MB.");
+  EXPECT_TRUE(told("recordings_low_space"));
+  // A walk, too: it is recorded from the moment at which there is room.
+  core_->set([](contract::TickRecord& record) { record.mode = static_cast<std::uint8_t>(contract::Mode::user); });
+  EXPECT_TRUE(until([&] { return recording()["state"] == "failed"; }));
+  EXPECT_EQ(recording()["reason_code"], "disk_full") << recording();
+  EXPECT_EQ(get("/api/v1/mode").json()["mode"], "user") << "walking goes on";
+  std::filesystem::remove(most);
+  EXPECT_TRUE(until([&] { return recording()["state"] == "recording"; }));
+}
+
 TEST_F(Disks, AFullDiskIsToldAndRecordingGoesOnWhenThereIsRoomAgain) {
   core_.reset();
-  if (!mount(folder_.path(), "size=6m")) GTEST_SKIP() << "this user may not mount a file system";
+  if (!mount(folder_.path(), "size=64m")) GTEST_SKIP() << "this user may not mount a file system";
   core_ = std::make_unique<FakeCore>((folder_ / "core.sock").string());
   begin();
   {
