@@ -152,6 +152,7 @@ void act_choose_patient(Services& services, const Asker& asker, const json& pati
     return done(outcome);
   }
   const auto id = patient.get<std::int64_t>();
+  const std::uint64_t file = services.recorder.file();
   const auto work = [id](Records&, db::Database& database) {
     const auto code = db::PatientStore(database).choose(id);
     if (!code) return store_outcome(code.error());
@@ -159,10 +160,10 @@ void act_choose_patient(Services& services, const Asker& asker, const json& pati
     outcome.row = *code;
     return outcome;
   };
-  ask_store_for(services, work, [&services, id, done = std::move(done)](const Outcome& outcome) {
+  ask_store_for(services, work, [&services, id, file, done = std::move(done)](const Outcome& outcome) {
     // Motion may have begun meanwhile.
     if (outcome.done() && led(services)) return done(not_standing());
-    if (outcome.done()) services.state.choose_patient(ChosenPatient{id, outcome.row});
+    if (outcome.done()) services.state.choose_patient(ChosenPatient{id, outcome.row, file});
     done(outcome);
   });
 }

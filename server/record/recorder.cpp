@@ -247,6 +247,14 @@ class Recorder::Work final : public Records {
     if (session_open() && kind_ == Kind::standby && chosen_ != standby_for_ && !end_again_) end(db::CloseReason::finished);
   }
 
+  // The patients of another file have other numbers.
+  void forget_chosen() {
+    const std::lock_guard lock(owner_.mutex_);
+    ++owner_.file_;
+    owner_.subject_.reset();
+    chosen_.reset();
+  }
+
   void finish() {
     pass();
     if (session_open()) end(end_again_.value_or(db::CloseReason::server_stopped));
@@ -317,7 +325,10 @@ class Recorder::Work final : public Records {
       if (db::Status ended = try_end(db::CloseReason::finished); !ended) return ended.error();
     close_file();
     auto aside = db::finish_restore(prepared, owner_.options_.file, owner_.options_.utc_ns());
-    if (aside) log("The recordings were replaced by a backup; those before are in " + aside->string() + ".");
+    if (aside) {
+      log("The recordings were replaced by a backup; those before are in " + aside->string() + ".");
+      forget_chosen();
+    }
     open();
     return aside;
   }
@@ -1069,8 +1080,9 @@ void Recorder::set_exercise(std::optional<std::string> exercise_json) {
   exercise_ = std::move(exercise_json);
 }
 
-void Recorder::set_subject(std::optional<std::string> code) {
+void Recorder::set_subject(std::optional<std::string> code, std::uint64_t file) {
   const std::lock_guard lock(mutex_);
+  if (file != file_) code.reset();
   subject_ = std::move(code);
 }
 

@@ -136,8 +136,11 @@ class Recorder {
   void set_nodes(std::vector<db::NodeProgram> nodes);
   // What the next motion walks, as stored in the database; nothing = free.
   void set_exercise(std::optional<std::string> exercise_json);
-  // The code of the patient whom motion is recorded for, and standby as long as there is one; nothing = not known.
-  void set_subject(std::optional<std::string> code);
+  // The code of the patient whom motion is recorded for, and standby as long as there is one; nothing = not known. `file`: file() before the
+  // patient was looked up; of a file that was replaced since, the patient is not known.
+  void set_subject(std::optional<std::string> code, std::uint64_t file = 0);
+  // Counts up whenever a backup has replaced the file, whose patients have other numbers: nobody is chosen then.
+  [[nodiscard]] std::uint64_t file() const { return file_.load(std::memory_order_acquire); }
   // A check has found the file with this id damaged: it is set aside and a new one begun, as at a start; while a session is being recorded,
   // after its end, or as soon as it can no longer be stored.
   void set_aside(std::string file_id, std::string damage);
@@ -169,6 +172,7 @@ class Recorder {
   bool ending_ = false;
   RecordingStatus status_;
   std::atomic<std::uint64_t> changes_ = 0;
+  std::atomic<std::uint64_t> file_ = 0;
   std::atomic<bool> attached_ = true;
   contract::ParamsInForce parameters_{};
   std::optional<std::string> exercise_, subject_;

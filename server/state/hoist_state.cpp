@@ -39,7 +39,10 @@ void HoistState::choose_patient(std::optional<ChosenPatient> patient) {
     walk_.change_patient();
     tell_walk();
   }
-  recorder_.set_subject(patient_ ? std::optional(patient_->code) : std::nullopt);
+  if (patient_)
+    recorder_.set_subject(patient_->code, patient_->file);
+  else
+    recorder_.set_subject(std::nullopt);
   if (on_patient_) on_patient_();
 }
 
@@ -71,6 +74,7 @@ void HoistState::on_ticks(std::span<const contract::TickRecord> records, std::ui
 
 void HoistState::poll(std::uint64_t now_ns) {
   if (!patient_) return;
+  if (patient_->file != recorder_.file()) return choose_patient(std::nullopt);
   if (!patient_rests_ns_) patient_rests_ns_ = now_ns;
   if (static_cast<double>(now_ns - *patient_rests_ns_) * 1e-9 >= kPatientIdle_s) choose_patient(std::nullopt);
 }

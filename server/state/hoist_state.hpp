@@ -25,6 +25,7 @@ inline constexpr std::size_t kEmergenciesKept = 64;
 struct ChosenPatient {
   std::int64_t id = 0;
   std::string code;
+  std::uint64_t file = 0;  // Recorder::file() before the patient was looked up
 };
 // Without motion for this long the choice ends: the next patient's walk must not get the last one's code.
 inline constexpr double kPatientIdle_s = 1800;
@@ -43,7 +44,8 @@ class HoistState final : public CoreListener {
   // Called whenever patient() is another.
   void set_on_patient(std::function<void()> on_patient) { on_patient_ = std::move(on_patient); }
 
-  // After each poll of the core, with the steady time: a chosen patient rests also while no core runs.
+  // After each poll of the core, with the steady time: a chosen patient rests also while no core runs, and the choice ends when a backup replaces
+  // the recordings.
   void poll(std::uint64_t now_ns);
   void on_core(bool connected) override;
   void on_ticks(std::span<const contract::TickRecord> records, std::uint64_t lost) override;

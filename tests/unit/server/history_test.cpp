@@ -83,8 +83,37 @@ class History : public ServerTest {
     EXPECT_EQ(made.status, 201U) << made.body;
     return made.json();
   }
+  // A job's result.
+  json done(const json& request) {
+    const Answer started = call("POST", "/api/v1/jobs", request);
+    EXPECT_EQ(started.status, 202U) << started.body;
+    json info;
+    EXPECT_TRUE(until([&] {
+      info = get("/api/v1/jobs/" + started.json()["id"].dump()).json();
+      return info["ended_utc_ms"] != nullptr;
+    }));
+    EXPECT_EQ(info["state"], "done") << info;
+    return info["result"];
+  }
   static constexpr const char* kPassword = "four words not together";
 };
+
+// The restored file has the patients of its day.
+TEST_F(History, ARestoredFileEndsTheChoiceOfAPatient) {
+  std::filesystem::create_directory(folder_ / "stick");
+  const double first = in_force(kTuned);
+  set(kTuned, first + 0.01);
+  change_to(first + 0.01);
+  const json backup = done({{"kind", "backup"}})["backup"];
+  set(kTuned, first + 0.02);
+  change_to(first + 0.02);
+  const json chosen = patient("P-017");
+  choose(chosen["id"]);
+  done({{"kind", "restore"}, {"backup", backup}});
+  EXPECT_EQ(patient("P-018")["id"], chosen["id"]) << "another one of the same number";
+  EXPECT_TRUE(until([&] { return get("/api/v1/patient").json()["id"].is_null(); }));
+  EXPECT_EQ(get("/api/v1/recording").json()["state"], "idle") << "nobody stands there who is known";
+}
 
 TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
   const double first = in_force(kTuned);
