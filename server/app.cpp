@@ -136,6 +136,7 @@ struct App::Parts {
                                      asio::post(io, [this] {
                                        begin_retention();
                                        read_device();
+                                       history.compare_file();
                                      });
                                    },
                                .setting_up = [this] { return jobs.hold(); }}),

@@ -17,6 +17,16 @@ void ParameterHistory::on_parameters(const contract::ParamsInForce& parameters) 
   // Later changes are events. What changed while no server listened is found once per core.
   if (core_.link().life() == life_) return;
   life_ = core_.link().life();
+  compare(parameters);
+}
+
+void ParameterHistory::compare_file() {
+  // Before the first parameters of a core there is nothing to compare.
+  if (life_ != 0) compare(core_.parameters());
+}
+
+void ParameterHistory::compare(const contract::ParamsInForce& parameters) {
+  ++comparison_;
   in_force_.clear();
   for (std::size_t i = 0; i < contract::kParamCount; ++i)
     in_force_.push_back({.utc_ns = utc_ns_(),
@@ -61,12 +71,12 @@ void ParameterHistory::poll(std::uint64_t now_ns) {
     if (!changes.empty() && !log.append(changes)) return Written::nothing;
     return in_force.empty() || log.catch_up(in_force) ? Written::all : Written::changes;
   };
-  const auto then = [this, count = changes.size(), life = life_, now_ns](Written written) {
+  const auto then = [this, count = changes.size(), comparison = comparison_, now_ns](Written written) {
     writing_ = false;
     // Meanwhile the oldest may have gone for newer ones: what is left of these goes now.
     if (written != Written::nothing)
       waiting_.erase(waiting_.begin(), std::next(waiting_.begin(), static_cast<std::ptrdiff_t>(std::min(count, waiting_.size()))));
-    if (written == Written::all && life == life_) in_force_.clear();
+    if (written == Written::all && comparison == comparison_) in_force_.clear();
     if (written != Written::all) retry_ns_ = now_ns + kRetry_ns;
   };
   writing_ = records_.ask<Written>(work, then);

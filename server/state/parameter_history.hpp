@@ -35,6 +35,8 @@ class ParameterHistory final : public CoreListener {
   ParameterHistory(const CoreDesk& core, RecorderDesk& records, const ActorList& actors, std::function<std::int64_t()> utc_ns)
       : core_(core), records_(records), actors_(actors), utc_ns_(std::move(utc_ns)) {}
 
+  // Another file of recordings is in use: its newest values are compared with what is in force.
+  void compare_file();
   // What the core changes for this request is told with this origin; 0 = the core was not asked.
   void expect(std::uint32_t request_id, ChangeOrigin origin);
 
@@ -49,6 +51,7 @@ class ParameterHistory final : public CoreListener {
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
 
  private:
+  void compare(const contract::ParamsInForce& parameters);
   enum class Written : std::uint8_t { nothing, changes, all };
 
   const CoreDesk& core_;
@@ -58,7 +61,8 @@ class ParameterHistory final : public CoreListener {
   std::deque<std::pair<std::uint32_t, ChangeOrigin>> expected_;
   std::deque<db::ParameterChange> waiting_;
   std::uint64_t life_ = 0;                     // of the core whose parameters were compared with the log
-  std::vector<db::ParameterChange> in_force_;  // as first seen of this core, until that is compared
+  std::vector<db::ParameterChange> in_force_;  // to be compared with the file that is in use
+  std::uint64_t comparison_ = 0;               // counts up with each new in_force_
   bool writing_ = false;
   std::uint64_t retry_ns_ = 0;
 };

@@ -98,8 +98,8 @@ class History : public ServerTest {
   static constexpr const char* kPassword = "four words not together";
 };
 
-// The restored file has the patients of its day.
-TEST_F(History, ARestoredFileEndsTheChoiceOfAPatient) {
+// The restored file has the parameters and the patients of its day.
+TEST_F(History, ARestoredFileIsComparedWithWhatIsInForceAndEndsTheChoiceOfAPatient) {
   std::filesystem::create_directory(folder_ / "stick");
   const double first = in_force(kTuned);
   set(kTuned, first + 0.01);
@@ -113,6 +113,9 @@ TEST_F(History, ARestoredFileEndsTheChoiceOfAPatient) {
   EXPECT_EQ(patient("P-018")["id"], chosen["id"]) << "another one of the same number";
   EXPECT_TRUE(until([&] { return get("/api/v1/patient").json()["id"].is_null(); }));
   EXPECT_EQ(get("/api/v1/recording").json()["state"], "idle") << "nobody stands there who is known";
+  const json row = change_to(first + 0.02);
+  EXPECT_EQ(row["how"], "not_seen");
+  EXPECT_EQ(row["before"], first + 0.01);
 }
 
 TEST_F(History, EachChangeOfAParameterSaysWhenByWhomInWhichSessionAndHow) {
