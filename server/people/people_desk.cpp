@@ -184,9 +184,10 @@ void PeopleDesk::give_up_rows() {
 }
 
 void PeopleDesk::serve() {
+  // Before the priority is lowered: on a busy computer the end of the server waited for it, more than 20 s as measured.
+  const std::string nobody = hash_secret("no password of anybody", limits_);
   // This thread only: setpriority takes a thread's number on Linux.
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 19);
-  const std::string nobody = hash_secret("no password of anybody", limits_);
   std::unique_lock lock(mutex_);
   while (!accounts_ && !ending_) {
     if (wake_.wait_for(lock, kRetry, [this] { return ending_; })) break;

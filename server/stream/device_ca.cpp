@@ -358,12 +358,14 @@ DeviceCa::Issued DeviceCa::issue(const std::vector<std::string>& addresses, std:
   all.insert(all.end(), addresses.begin(), addresses.end());
   for (const std::string& address : all)
     if (std::ranges::find(wanted, address) == wanted.end() && may_sign(address)) wanted.push_back(address);
-  const bool good = is_good(wanted, utc_s);
-  if (!good && utc_s < kEarliest_utc_s) {
-    error = "the clock of this computer is not set: no certificate is issued before it is";
+  const bool good = is_good(wanted, utc_s), clock_set = utc_s >= kEarliest_utc_s;
+  if (!good && !clock_set) error = "the clock of this computer is not set: no certificate is issued before it is";
+  if (!good && (!clock_set || !make_leaf(wanted, utc_s, error))) {
+    const Certificate before = read_pem(server_file()).certificate;
+    const bool ours = before && X509_verify(before.get(), parts_->key.get()) == 1;
+    signed_ = ours ? hosts_of(before.get()) : std::vector<std::string>{};
     return Issued::failed;
   }
-  if (!good && !make_leaf(wanted, utc_s, error)) return Issued::failed;
   signed_ = std::move(wanted);
   return good ? Issued::still_good : Issued::renewed;
 }

@@ -35,7 +35,7 @@ class DeviceCa {
 
   enum class Issued : std::uint8_t { still_good, renewed, failed };
   // A certificate for the names and, of `addresses`, those that the authority may sign; only when the one at hand is of other names, ends
-  // within kRenew_s or is not valid by this clock.
+  // within kRenew_s or is not valid by this clock. Failed, with a sentence: the one at hand is as before, if it is of this authority at all.
   [[nodiscard]] Issued issue(const std::vector<std::string>& addresses, std::int64_t utc_s, std::string& error);
 
   // The key and the certificates up to the authority, in one file so that they cannot be of different issues.
@@ -43,7 +43,7 @@ class DeviceCa {
   [[nodiscard]] const std::string& authority_der() const { return der_; }
   // SHA-256, pairs of hexadecimal digits with colons, as browsers and openssl show it.
   [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
-  // The names and addresses in the newest certificate.
+  // The names and addresses in the certificate at hand; empty without one of this authority.
   [[nodiscard]] const std::vector<std::string>& signed_names() const { return signed_; }
 
  private:

@@ -7,7 +7,12 @@
 namespace hoist::server {
 
 std::unique_ptr<TlsContext> TlsKeeper::first(std::string& error) {
-  if (ca_->issue(own_addresses(), utc_s_(), error) == DeviceCa::Issued::failed) return nullptr;
+  if (ca_->issue(own_addresses(), utc_s_(), error) == DeviceCa::Issued::failed) {
+    if (ca_->signed_names().empty()) return nullptr;
+    // A disk that takes no data, or a clock that is not set, must not keep STOP from the tablets. main() tries again.
+    std::cerr << "hoist-server: the certificate of before stays in use: " << error << std::endl;
+    told_error_ = std::exchange(error, {});
+  }
   return TlsContext::load(ca_->server_file(), ca_->server_file(), error);
 }
 

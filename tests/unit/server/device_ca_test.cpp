@@ -5,12 +5,14 @@
 #include <iterator>
 
 #include "server/stream/device_ca.hpp"
+#include "server/stream/tls_keeper.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hoist::test {
 namespace {
 
 using server::DeviceCa;
+using server::TlsKeeper;
 using Issued = DeviceCa::Issued;
 constexpr std::int64_t kStart_utc_s = DeviceCa::kEarliest_utc_s + 100 * DeviceCa::kDay_s;
 
@@ -42,6 +44,29 @@ TEST_F(DeviceCaTest, IssuesAnewWhenTheCertificateEndsSoonOrTheClockIsOutsideOfIt
   EXPECT_EQ(at(0), Issued::failed) << "a clock that is not set";
   EXPECT_NE(error_.find("not set"), std::string::npos);
   EXPECT_EQ(at(kStart_utc_s), Issued::still_good) << "and nothing was spoilt";
+}
+
+// H21: without a server no tablet can say STOP.
+TEST_F(DeviceCaTest, ACertificateThatCannotBeRenewedServesOn_H21) {
+  const auto keeper = [&](std::int64_t utc_s) {
+    return std::make_unique<TlsKeeper>(
+        open(), [utc_s] { return utc_s; }, nullptr);
+  };
+  EXPECT_FALSE(keeper(0)->first(error_)) << "none was issued yet";
+  EXPECT_NE(error_.find("not set"), std::string::npos);
+  error_.clear();
+  const auto begun = keeper(kStart_utc_s);
+  ASSERT_TRUE(begun->first(error_)) << error_;
+  const auto restarted = keeper(0);
+  EXPECT_TRUE(restarted->first(error_)) << error_;
+  EXPECT_EQ(error_, "");
+  EXPECT_EQ(restarted->ca().signed_names(), begun->ca().signed_names());
+  // Of another authority it serves nobody.
+  const auto other = DeviceCa::open(folder_ / "other", {{"hoist.local"}, {}, {}}, kStart_utc_s, error_);
+  ASSERT_EQ(other->issue({}, kStart_utc_s, error_), Issued::renewed) << error_;
+  std::filesystem::copy_file(folder_ / "other" / "server.pem", folder_ / "tls" / "server.pem",
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_FALSE(keeper(0)->first(error_));
 }
 
 TEST_F(DeviceCaTest, FollowsTheAddressesThatTheAuthorityMaySign) {
