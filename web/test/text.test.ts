@@ -11,6 +11,7 @@ import { en } from '../src/text/en';
 import { first } from '../src/text/first';
 import { settings } from '../src/text/settings';
 import { rehearse } from '../src/text/rehearse';
+import { loop } from '../src/text/loop';
 import { study } from '../src/text/study';
 import { tasks } from '../src/text/tasks';
 import { date, degrees, duration, fixed, plain, quantity, readNumber, refusalText, shownAs, t, textOf, withUnit } from '../src/text/text';
@@ -18,10 +19,10 @@ import { date, degrees, duration, fixed, plain, quantity, readNumber, refusalTex
 beforeEach(() => settings.set({ language: 'en' }));
 
 /** With the texts that come with a screen. */
-const parts = [calibrate, rehearse, study, tasks];
+const parts = [calibrate, loop, rehearse, study, tasks];
 const all = {
-  en: { ...en, ...calibrate.en, ...rehearse.en, ...study.en, ...tasks.en },
-  de: { ...de, ...calibrate.de, ...rehearse.de, ...study.de, ...tasks.de },
+  en: { ...en, ...calibrate.en, ...loop.en, ...rehearse.en, ...study.en, ...tasks.en },
+  de: { ...de, ...calibrate.de, ...loop.de, ...rehearse.de, ...study.de, ...tasks.de },
 };
 
 describe('the message files', () => {
@@ -48,7 +49,7 @@ describe('the message files', () => {
 
   it('have no text that no screen uses', () => {
     const source = readdirSync('src', { recursive: true, encoding: 'utf8' })
-      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(calibrate|en|de|first|rehearse|study|tasks)/.test(file))
+      .filter((file) => /\.tsx?$/.test(file) && !/^text\/(calibrate|en|de|first|loop|rehearse|study|tasks)/.test(file))
       .map((file) => readFileSync(`src/${file}`, 'utf8'))
       .join('\n');
     // Keys put together at run time: exercise.SHAPE, priority.P, event.KIND, health.part.NODE, refused.NAME, invalid.FIELD,

@@ -1,5 +1,6 @@
 import type { CalibrateKey } from './calibrate';
 import type { FirstKey } from './first';
+import type { LoopKey } from './loop';
 import type { RehearseKey } from './rehearse';
 import type { StudyKey } from './study';
 import type { TasksKey } from './tasks';
@@ -640,25 +641,6 @@ export const en = {
   'device.unknown': 'an unknown device',
   'device.secondCore': 'a second control computer',
   'health.loop': 'Control loop',
-  'loop.hint': 'A hundred steps a second. The hoist stops when two within a second start more than {two} ms late, or one more than {one} ms.',
-  'loop.picture': 'How late the steps began',
-  'loop.lately': 'Last ten seconds',
-  'loop.ever': 'Since the start',
-  'loop.counted': 'Late: from {ms} ms on',
-  'loop.half': 'Half begin within',
-  'loop.most': '99 of 100 begin within',
-  'loop.latest': 'Longest delay in ten seconds',
-  'loop.latestEver': 'Longest delay since the start',
-  'loop.missed': 'Missed steps',
-  'loop.priority': 'Real-time priority',
-  'loop.notGranted': 'not granted',
-  'loop.cpu': 'Own processor core',
-  'loop.anyCpu': 'none',
-  'loop.memory': 'Memory',
-  'loop.locked': 'locked',
-  'loop.notLocked': 'not locked',
-  'loop.pageFaults': 'Page faults',
-  'loop.allocations': 'Memory allocations',
   'health.duration': 'Computing time per step',
   'health.overruns': 'Late steps',
   'health.bus': 'Bus',
@@ -770,4 +752,4 @@ export const en = {
   'role.engineer': 'Engineer',
 };
 export type Table = Readonly<Record<keyof typeof en, string>>;
-export type TextKey = keyof typeof en | CalibrateKey | FirstKey | RehearseKey | StudyKey | TasksKey;
+export type TextKey = keyof typeof en | CalibrateKey | FirstKey | LoopKey | RehearseKey | StudyKey | TasksKey;

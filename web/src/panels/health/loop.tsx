@@ -3,9 +3,12 @@ import type { TickRecord } from '../../contract/signals.gen';
 import { useQuery } from '../../link/query';
 import { rest } from '../../link/rest';
 import { useStore } from '../../link/store';
-import { fixed, t } from '../../text/text';
+import { loop as texts } from '../../text/loop';
+import { addTexts, fixed, t } from '../../text/text';
 import { columns, columnsOf, heightsOf, placeOf, type LoopReport } from './lateness';
 import { Line } from './line';
+
+addTexts(texts);
 
 const askEvery_ms = 2000;
 const noCpu = 255;
