@@ -81,11 +81,15 @@ begin_beside "$normal/web.log" timed "tests of the console" run_console_suites "
 end_beside || record_step "$normal" failed web "the tests of the console ended badly"
 # What ThreadSanitizer looks at waits more than it computes, and the suites with AddressSanitizer leave a third of the processors idle.
 run_beside_sanitized() {
-  timed "ThreadSanitizer" run_thread_tests "$threads" || record_step "$threads" failed "ThreadSanitizer" "its tests ended badly"
+  local waits
+  timed "ThreadSanitizer" run_thread_tests "$threads" >"$threads/ctest.log" 2>&1 &
+  waits=$!
   give_way 19
   step "README: each way to add something, followed in a copy" python3 tests/recipes/recipes.py
   step "chaos: 400 random sessions (deploy/dev chaos replays one)" build/bin/hoist-chaos --sessions 400
   step "mutants: 60 drawn by the commit (deploy/dev cover --mutants tries all)" judge_mutants core_mutants --sample 60
+  wait "$waits" || record_step "$threads" failed "ThreadSanitizer" "its tests ended badly"
+  cat "$threads/ctest.log"
 }
 begin_beside "$static/beside.log" run_beside_sanitized
 (
