@@ -132,7 +132,7 @@ int version_of(sqlite3* handle, const std::filesystem::path& file) {
                            {}}};
   return version;
 }
-// The address by which SQLite takes a file as one that nobody changes: it looks neither for a log nor for locks.
+// The SQLite URI of an immutable file: SQLite then looks for neither a log nor locks.
 std::string immutable_address(const std::filesystem::path& file) {
   std::string out = "file:";
   for (const char c : file.string()) {

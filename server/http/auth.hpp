@@ -90,7 +90,7 @@ class Auth {
   };
   // Reads the token file's sessions of an earlier run so that a restarted server knows its people; makes a new token if there is none.
   // Null, with a sentence in `error`, for a file that is none of these. A disk that refuses is no reason not to start, because people of before
-  // must be able to say STOP: then `error` says what is not written, and a new token is known to nobody.
+  // must be able to say STOP: then `error` says what is not written, and a new token is in no file.
   static std::unique_ptr<Auth> create(Options options, Clocks now, std::string& error);
 
   // Further names under which browsers may call, instead of those before.

@@ -76,7 +76,7 @@ struct ByteRange {
 };
 enum class RangeWish : std::uint8_t { none, part, outside };
 [[nodiscard]] RangeWish read_range(std::string_view header, std::uint64_t size, ByteRange& part);
-// Whether a Content-Type header, whatever its parameters, names this type (RFC 9110, 8.3.1).
+// Whether a Content-Type header names this type; its parameters do not count (RFC 9110, 8.3.1).
 [[nodiscard]] bool is_media_type(std::string_view header, std::string_view lower_case);
 // The token of an Authorization header of the scheme Bearer; empty for another scheme.
 [[nodiscard]] std::string_view bearer_token(std::string_view authorization);

@@ -139,7 +139,7 @@ class Recorder {
   // The code of the patient whom motion is recorded for, and standby as long as there is one; nothing = not known. `file`: file() before the
   // patient was looked up; of a file that was replaced since, the patient is not known.
   void set_subject(std::optional<std::string> code, std::uint64_t file = 0);
-  // Counts up whenever a backup has replaced the file, whose patients have other numbers: nobody is chosen then.
+  // Counts the times that a backup replaced the file. Its patients have other numbers, so the choice of a patient ends.
   [[nodiscard]] std::uint64_t file() const { return file_.load(std::memory_order_acquire); }
   // A check has found the file with this id damaged: it is set aside and a new one begun, as at a start; while a session is being recorded,
   // after its end, or as soon as it can no longer be stored.

@@ -204,7 +204,8 @@ def prove(recipes, top):
     ninja = ["nice", "ninja", "-C", "build", "-k", "0", "-j", jobs]
     # Nothing of it runs for long. clang compiles it in about half of g++'s time (build_watched in deploy/lib/common.sh).
     compiler = ["-DCMAKE_CXX_COMPILER=clang++", "-DCMAKE_CXX_FLAGS=-w"] if shutil.which("clang++") else []
-    run(["cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0", *compiler], top, "configuring the copy")
+    options = ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O0", *compiler]
+    run(["cmake", "-S", ".", "-B", "build", "-G", "Ninja", *options], top, "configuring the copy")
     run([*ninja, "hoist-gen"], top, "building hoist-gen")
     run(["build/bin/hoist-gen", "--top", top], top, "writing the generated files")
     run([*ninja, "recipe_proofs", "hoist-sim", *objects_of(recipes, top)], top, "building what the recipes changed")

@@ -130,7 +130,7 @@ describe.each([
   [1280, 800],
 ])('an alarm at %i × %i', { timeout: minutes_ms }, (width, height) => {
   const start = eachPage(width, height);
-  it.each(['en', 'de'] as const)('says whole what to do, and moves nothing while somebody drives (%s)', async (language) => {
+  it.each(['en', 'de'] as const)('says whole what to do, and moves nothing while a therapist drives (%s)', async (language) => {
     const table = language === 'de' ? de : en;
     const { fake, page } = await start({}, language);
     page.setDefaultTimeout(5000);

@@ -413,14 +413,19 @@ TEST(Report, ATaskIsComparedOnlyWithTheSameGoalAndEdges) {
   EXPECT_FALSE(comparable(timed_without(2), timed_without(1)));
 }
 
-TEST(Report, AGroupCountsValidValuesOnly) {
-  Recorded r;
+std::vector<ReportSession> three_walks(Recorded& r) {
+  std::vector<ReportSession> sessions;
   for (int i = 0; i < 3; ++i) {
     r.walk("P-01", "");
     r.end();
+    sessions.push_back(*read_report_session(r.database, r.sessions.back()));
   }
-  std::vector<ReportSession> sessions;
-  for (const SessionId id : r.sessions) sessions.push_back(*read_report_session(r.database, id));
+  return sessions;
+}
+
+TEST(Report, AGroupCountsValidValuesOnly) {
+  Recorded r;
+  std::vector<ReportSession> sessions = three_walks(r);
   const auto walked = static_cast<std::size_t>(std::ranges::find(kMetrics, "walked_m", &MetricInfo::key) - kMetrics.begin());
   sessions[0].metrics.figures[walked] = {10.0};
   sessions[1].metrics.figures[walked] = {13.0};
@@ -434,12 +439,7 @@ TEST(Report, AGroupCountsValidValuesOnly) {
 
 TEST(Report, AGroupNamesEveryProgramThatRecorded) {
   Recorded r;
-  for (int i = 0; i < 3; ++i) {
-    r.walk("P-01", "");
-    r.end();
-  }
-  std::vector<ReportSession> sessions;
-  for (const SessionId id : r.sessions) sessions.push_back(*read_report_session(r.database, id));
+  std::vector<ReportSession> sessions = three_walks(r);
   const auto foot = [&](Language language) {
     const std::string page = group_report(sessions, {.kind = {}, .language = language, .program = "test"});
     const std::size_t begin = page.find("<footer");

@@ -61,7 +61,7 @@ TEST_F(DeviceCaTest, ACertificateThatCannotBeRenewedServesOn_H21) {
   EXPECT_TRUE(restarted->first(error_)) << error_;
   EXPECT_EQ(error_, "");
   EXPECT_EQ(restarted->ca().signed_names(), begun->ca().signed_names());
-  // Of another authority it serves nobody.
+  // A certificate of another authority is not used.
   const auto other = DeviceCa::open(folder_ / "other", {{"hoist.local"}, {}, {}}, kStart_utc_s, error_);
   ASSERT_EQ(other->issue({}, kStart_utc_s, error_), Issued::renewed) << error_;
   std::filesystem::copy_file(folder_ / "other" / "server.pem", folder_ / "tls" / "server.pem",

@@ -81,6 +81,12 @@ class Disks : public ServerTest {
               .status,
           201U);
   }
+  // The cookie of a therapist's sign-in.
+  std::string begin_with_people() {
+    begin();
+    add_people();
+    return sign_in();
+  }
   std::size_t stops_in_log() {
     std::size_t stops = 0;
     const json rows = get("/api/v1/audit?limit=200").json()["items"];
@@ -150,18 +156,14 @@ TEST_F(Disks, ASyncOfASecondDelaysNeitherDrivingNorStop) {
 // H24
 TEST_F(Disks, AStartOnAFullDiskKnowsItsPeople) {
   if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
-  begin();
-  add_people();
-  const std::string cookie = sign_in();
+  const std::string cookie = begin_with_people();
   stop_server();
   fill();
   people_are_known(cookie, [this] { std::filesystem::remove(folder_ / "disk" / "fill"); });
 }
 TEST_F(Disks, AStartOnAReadOnlyDiskKnowsItsPeople) {
   if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
-  begin();
-  add_people();
-  const std::string cookie = sign_in();
+  const std::string cookie = begin_with_people();
   stop_server();
   ASSERT_EQ(remount("ro"), 0);
   people_are_known(cookie, [this] { EXPECT_EQ(remount("rw"), 0); });
@@ -170,9 +172,7 @@ TEST_F(Disks, AStartOnAReadOnlyDiskKnowsItsPeople) {
 // H24
 TEST_F(Disks, RowsOfTheAuditLogWaitForAFullDisk) {
   if (!mount_disk()) GTEST_SKIP() << "this user may not mount a file system";
-  begin();
-  add_people();
-  const std::string cookie = sign_in();
+  const std::string cookie = begin_with_people();
   fill();
   std::size_t stops = 0;
   // The first of them still fit into the pages that the log has.

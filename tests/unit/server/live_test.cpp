@@ -275,7 +275,7 @@ TEST_F(LiveTest, WhatWasHeldUpOnItsWayBeginsNoMotionAndLeavesNoStop_H17) {
   EXPECT_EQ(driver.ask(seen(acknowledge))["ok"], true);
 }
 
-// What a client sends just before its end: nothing may move for somebody who is not there any more.
+// What a client sends just before its end: the hoist must not move for a client that is gone.
 TEST_F(LiveTest, AClientWhoseEndIsThereBeginsNoMotionAndLeavesNoStop_H21) {
   std::size_t left = 0;
   const auto releases = [this] {

@@ -1018,7 +1018,7 @@ TEST(PeopleDeskTest, a_row_tells_how_many_rows_were_lost) {
   EXPECT_EQ((*rows)[1].entry.utc_ms, server::kAuditWaitLimit - 1);
 }
 
-// A disk that comes later; and one that never comes ends nobody's wait for the server's end.
+// A disk that is mended later; one that never is must not delay the end of the server.
 TEST(PeopleDeskTest, a_file_that_cannot_be_opened_is_tried_again) {
   const TemporaryFolder folder;
   const auto at_once = [](const std::function<void()>& work) { work(); };

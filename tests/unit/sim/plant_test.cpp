@@ -103,7 +103,7 @@ TEST(Plant, APullAtTheHarnessTakesLoadOffTheDrivenWheels) {
   PlantParams p;
   p.driven_load_norm = 0.7;
   p.cg_height_m = 0.0;
-  p.brake_n_m = 100.0;  // the wheels stand, whatever pulls
+  p.brake_n_m = 100.0;  // holds the wheels against any pull of this test
   HarnessMotion pull;
   pull.dx_m = 0.6;
   p.stop_rad = 1.2;  // springs alone: 180 N

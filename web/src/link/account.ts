@@ -20,7 +20,7 @@ export async function setUp(body: SetUpRequest): Promise<Problem | null> {
   return answer.ok ? signIn({ user: body.user, password: body.password }) : answer.problem;
 }
 
-/** What this screen drives stops. STOP stays possible. Where no motion is led the page is then like one just opened: nobody is to be alarmed. */
+/** What this screen drives stops. STOP stays possible. Where no motion is led the page is then like one just opened: it shows no alarm. */
 export async function signOut(): Promise<Problem | null> {
   const answer = await rest('DELETE /api/v1/session');
   // 401: it had ended by itself.

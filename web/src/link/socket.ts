@@ -45,7 +45,7 @@ export interface LinkEvents {
 export const subprotocol = 'hoist.v1';
 export const backOffFirst_ms = 250;
 export const backOffLast_ms = 2000;
-/** Telemetry comes 5 times a second: silence this long, or no answer to a ping, means a dead connection, whatever the socket's state. */
+/** Telemetry comes 5 times a second: silence this long, or no answer to a ping, means a dead connection, also while the socket says it is open. */
 export const silence_ms = 2500;
 export const openWithin_ms = 4000;
 export const ping_ms = 1000;
